@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+/// @file  Everything of the core room.
+#pragma once
+
+#include <surfleet/core/assert.hpp>
+#include <surfleet/core/binary_io.hpp>
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/parallel.hpp>
+#include <surfleet/core/random.hpp>
+#include <surfleet/core/types.hpp>

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+/// @file  A parallel loop over indices, on threads that stay alive between calls.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace surfleet {
+namespace detail {
+/// The process's helper threads, started when first asked for and joined at exit.
+class WorkerPool {
+ public:
+  static WorkerPool& instance() {
+    static WorkerPool pool;
+    return pool;
+  }
+
+  /// Runs `job` on the caller and on `helpers` threads at once and waits for all of them.
+  /// False if the pool is busy, which a nested call finds: the caller then works alone.
+  bool run(int helpers, const std::function<void()>& job) {
+    std::unique_lock<std::mutex> owner(owner_, std::try_to_lock);
+    if (!owner.owns_lock()) return false;
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      while (static_cast<int>(threads_.size()) < helpers) threads_.emplace_back([this] { work(); });
+      job_ = &job;
+      wanted_ = pending_ = helpers;
+    }
+    wake_.notify_all();
+    job();
+    std::unique_lock<std::mutex> lock(mutex_);
+    done_.wait(lock, [this] { return pending_ == 0; });
+    job_ = nullptr;
+    return true;
+  }
+
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+ private:
+  WorkerPool() = default;
+  ~WorkerPool() {
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      stop_ = true;
+    }
+    wake_.notify_all();
+    for (std::thread& t : threads_) t.join();
+  }
+  void work() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    for (;;) {
+      wake_.wait(lock, [this] { return stop_ || wanted_ > 0; });
+      if (stop_) return;
+      --wanted_;
+      const std::function<void()>* job = job_;
+      lock.unlock();
+      (*job)();
+      lock.lock();
+      if (--pending_ == 0) done_.notify_all();
+    }
+  }
+
+  std::mutex owner_, mutex_;
+  std::condition_variable wake_, done_;
+  std::vector<std::thread> threads_;
+  const std::function<void()>* job_ = nullptr;
+  int wanted_ = 0, pending_ = 0;
+  bool stop_ = false;
+};
+}  // namespace detail
+
+/// Calls `body(i)` for every i in [0, n), on up to `threads` threads, in chunks of `grain`.
+///
+/// The order of calls is unspecified, so a body that writes only to what belongs to its index
+/// gives the same result for any number of threads. The first exception thrown is rethrown here.
+/// Nested calls run on the calling thread.
+template <typename Body>
+void parallel_for(std::size_t n, int threads, Body&& body, std::size_t grain = 1) {
+  const std::size_t chunks = (n + grain - 1) / std::max<std::size_t>(grain, 1);
+  const int helpers =
+      static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)),
+                                             std::max<std::size_t>(chunks, 1))) - 1;
+  const auto serial = [&] {
+    for (std::size_t i = 0; i < n; ++i) body(i);
+  };
+  if (helpers <= 0) return serial();
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failure_mutex;
+  const std::function<void()> job = [&] {
+    try {
+      for (std::size_t c = next++; c < chunks; c = next++)
+        for (std::size_t i = c * grain; i < std::min(n, (c + 1) * grain); ++i) body(i);
+    } catch (...) {
+      std::lock_guard<std::mutex> lock(failure_mutex);
+      if (!failure) failure = std::current_exception();
+      next = chunks;
+    }
+  };
+  if (!detail::WorkerPool::instance().run(helpers, job)) return serial();
+  if (failure) std::rethrow_exception(failure);
+}
+}  // namespace surfleet

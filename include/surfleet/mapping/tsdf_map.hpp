@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+/// @file  The voxel of a truncated signed distance field, and the map made of it.
+#pragma once
+
+#include <surfleet/mapping/voxel_grid.hpp>
+
+namespace surfleet {
+/// Signed distance to the surface, positive in front of it, and how much was seen of it.
+struct TsdfVoxel {
+  float distance = 0.0F;  ///< In [−µ, µ] [m]; meaningless while the weight is zero.
+  float weight = 0.0F;    ///< ≥ 0.
+};
+
+using TsdfMap = VoxelGrid<TsdfVoxel>;
+
+/// What is known of a voxel [000 §2.4.1].
+enum class VoxelState : std::uint8_t { unknown = 0, empty = 1, occupied = 2 };
+
+/// Known from weight `known_weight` (W_th) on; then empty in front of the surface, else occupied.
+inline VoxelState voxel_state(const TsdfVoxel& v, float known_weight) {
+  if (!(v.weight >= known_weight)) return VoxelState::unknown;
+  return v.distance > 0.0F ? VoxelState::empty : VoxelState::occupied;
+}
+}  // namespace surfleet

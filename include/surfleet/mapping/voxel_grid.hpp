@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+/// @file  A sparse, unbounded grid of voxels in hashed blocks that remembers what changed.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/types.hpp>
+
+namespace surfleet {
+/// Integer coordinates of a voxel, or of a block of voxels.
+using VoxelIndex = Eigen::Vector3i;
+using BlockIndex = Eigen::Vector3i;
+
+struct VoxelGridOptions {
+  double voxel_size = 0.1;  ///< Edge of a voxel [m].
+};
+
+/// Voxels in cubic blocks of `kSide`³, found through a hash table.
+///
+/// Voxel (i, j, k) covers [i, i + 1) × … times the voxel size; its centre is half a voxel further.
+/// Access is O(1); an `Accessor` that stays in one block skips the hash. Blocks keep the slot they
+/// were made in, so iteration by slot is deterministic. Whoever writes into a block says so with
+/// `mark_changed`; whoever follows the grid asks `changed_since(cursor)`, whose cost is the number
+/// of changes, not the size of the grid. Reading is thread-safe; writing is, block by block, once
+/// the blocks exist.
+template <typename Voxel, int kSide = 8>
+class VoxelGrid {
+  static_assert(kSide > 0 && (kSide & (kSide - 1)) == 0, "the side is a power of two");
+
+ public:
+  using voxel_type = Voxel;
+  static constexpr int kBlockSide = kSide;
+  static constexpr int kBlockShift = std::countr_zero(static_cast<unsigned>(kSide));
+  static constexpr std::size_t kBlockVoxels = static_cast<std::size_t>(kSide) * kSide * kSide;
+
+  struct Block {
+    BlockIndex index = BlockIndex::Zero();
+    std::uint64_t changed = 0;  ///< Number of its last change; 0 if never marked.
+    std::array<Voxel, kBlockVoxels> voxels{};
+
+    /// The index of the block's first voxel.
+    VoxelIndex origin() const { return index * kSide; }
+  };
+
+  /// Throws `Error` unless the voxel size is positive and finite.
+  explicit VoxelGrid(VoxelGridOptions options = {}) : options_(options) {
+    require(options.voxel_size > 0.0 && std::isfinite(options.voxel_size),
+            "voxel size " + std::to_string(options.voxel_size) + " m: expected a positive length");
+    inverse_size_ = 1.0 / options.voxel_size;
+    table_.resize(64);
+  }
+
+  double voxel_size() const { return options_.voxel_size; }
+  std::size_t block_count() const { return blocks_.size(); }
+  bool empty() const { return blocks_.empty(); }
+  /// Memory of blocks, table and change log [bytes].
+  std::size_t memory_bytes() const {
+    return blocks_.size() * (sizeof(Block) + sizeof(void*)) + table_.size() * sizeof(Entry) +
+           log_.size() * sizeof(log_[0]);
+  }
+
+  /// The voxel that holds `p`. Throws `Error` if it does not fit 30 bits an axis.
+  VoxelIndex index_of(const Point3& p) const {
+    const Eigen::Vector3d s = p * inverse_size_;
+    require(s.cwiseAbs().maxCoeff() < 1 << 30,
+            "point outside the grid: expected finite coordinates below 2^30 voxels");
+    return {static_cast<int>(std::floor(s.x())), static_cast<int>(std::floor(s.y())),
+            static_cast<int>(std::floor(s.z()))};
+  }
+  Point3 center(const VoxelIndex& v) const {
+    return (v.cast<double>() + Eigen::Vector3d::Constant(0.5)) * options_.voxel_size;
+  }
+  static BlockIndex block_of(const VoxelIndex& v) {
+    return {v.x() >> kBlockShift, v.y() >> kBlockShift, v.z() >> kBlockShift};
+  }
+  /// Place of a voxel in its block, x fastest.
+  static std::size_t offset_of(const VoxelIndex& v) {
+    constexpr int m = kSide - 1;
+    return static_cast<std::size_t>((v.x() & m) | ((v.y() & m) << kBlockShift) |
+                                    ((v.z() & m) << (2 * kBlockShift)));
+  }
+  /// The voxel at `offset` of a block; inverse of `offset_of`.
+  static VoxelIndex index_in(const Block& block, std::size_t offset) {
+    const int o = static_cast<int>(offset);
+    constexpr int m = kSide - 1;
+    return block.origin() +
+           VoxelIndex(o & m, (o >> kBlockShift) & m, (o >> (2 * kBlockShift)) & m);
+  }
+
+  // -- blocks ------------------------------------------------------------------------------------
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  /// Slot of a block, or `kNone`.
+  std::uint32_t find_slot(const BlockIndex& b) const {
+    for (std::size_t h = hash(b);; ++h) {
+      const Entry& e = table_[h & (table_.size() - 1)];
+      if (e.slot == kNone) return kNone;
+      if (e.x == b.x() && e.y == b.y() && e.z == b.z()) return e.slot;
+    }
+  }
+  const Block* find_block(const BlockIndex& b) const {
+    const std::uint32_t slot = find_slot(b);
+    return slot == kNone ? nullptr : blocks_[slot].get();
+  }
+  Block* find_block(const BlockIndex& b) {
+    return const_cast<Block*>(std::as_const(*this).find_block(b));
+  }
+  /// Slot of the block, which is made of default voxels if it is not there.
+  std::uint32_t ensure_slot(const BlockIndex& b) {
+    const std::uint32_t found = find_slot(b);
+    if (found != kNone) return found;
+    if ((blocks_.size() + 1) * 2 > table_.size()) grow();
+    const auto slot = static_cast<std::uint32_t>(blocks_.size());
+    blocks_.push_back(std::make_unique<Block>());
+    blocks_.back()->index = b;
+    insert(b, slot);
+    return slot;
+  }
+  Block& ensure_block(const BlockIndex& b) { return *blocks_[ensure_slot(b)]; }
+  /// Blocks in the order they were made; slots are indices here.
+  const Block& block(std::uint32_t slot) const { return *blocks_[slot]; }
+  Block& block(std::uint32_t slot) { return *blocks_[slot]; }
+
+  /// Calls `fn(const Block&)` for every block in the order they were made.
+  template <typename Fn>
+  void for_each_block(Fn&& fn) const {
+    for (const auto& b : blocks_) fn(std::as_const(*b));
+  }
+
+  // -- voxels ------------------------------------------------------------------------------------
+  const Voxel* find(const VoxelIndex& v) const {
+    const Block* b = find_block(block_of(v));
+    return b == nullptr ? nullptr : &b->voxels[offset_of(v)];
+  }
+  /// The voxel, made if absent. The caller marks the change.
+  Voxel& ensure(const VoxelIndex& v) { return ensure_block(block_of(v)).voxels[offset_of(v)]; }
+
+  /// Reads voxels and remembers the last block, so that walks along a ray or a neighbourhood
+  /// seldom hash. Invalid once a block is added. One accessor a thread.
+  class Accessor {
+   public:
+    explicit Accessor(const VoxelGrid& grid) : grid_(&grid) {}
+    const Voxel* find(const VoxelIndex& v) {
+      const BlockIndex b = block_of(v);
+      if (!cached_ || b != index_) {
+        block_ = grid_->find_block(b);
+        index_ = b;
+        cached_ = true;
+      }
+      return block_ == nullptr ? nullptr : &block_->voxels[offset_of(v)];
+    }
+
+   private:
+    const VoxelGrid* grid_;
+    const Block* block_ = nullptr;
+    BlockIndex index_ = BlockIndex::Zero();
+    bool cached_ = false;
+  };
+  Accessor accessor() const { return Accessor(*this); }
+
+  // -- changes -----------------------------------------------------------------------------------
+  /// Number of the latest change; a cursor for `changed_since`.
+  std::uint64_t revision() const { return revision_; }
+  void mark_changed(std::uint32_t slot) {
+    if (log_.size() > 2 * blocks_.size() + 1024) compact_log();
+    blocks_[slot]->changed = ++revision_;
+    log_.emplace_back(revision_, slot);
+  }
+  /// Slots of the blocks marked after `cursor`, each once, oldest change first.
+  std::vector<std::uint32_t> changed_since(std::uint64_t cursor) const {
+    std::vector<std::uint32_t> slots;
+    auto it = std::upper_bound(log_.begin(), log_.end(), cursor,
+                               [](std::uint64_t c, const auto& e) { return c < e.first; });
+    for (; it != log_.end(); ++it)
+      if (blocks_[it->second]->changed == it->first) slots.push_back(it->second);
+    return slots;
+  }
+
+  void clear() {
+    blocks_.clear();
+    log_.clear();
+    table_.assign(64, Entry{});
+  }
+
+ private:
+  struct Entry {
+    std::int32_t x = 0, y = 0, z = 0;
+    std::uint32_t slot = kNone;
+  };
+  static std::size_t hash(const BlockIndex& b) {
+    const auto u = [](int i) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)); };
+    std::uint64_t h = u(b.x()) * 0x9e3779b97f4a7c15ULL;
+    h = (h ^ (h >> 32) ^ u(b.y())) * 0xbf58476d1ce4e5b9ULL;
+    h = (h ^ (h >> 32) ^ u(b.z())) * 0x94d049bb133111ebULL;
+    return static_cast<std::size_t>(h ^ (h >> 29));
+  }
+  void insert(const BlockIndex& b, std::uint32_t slot) {
+    std::size_t h = hash(b) & (table_.size() - 1);
+    while (table_[h].slot != kNone) h = (h + 1) & (table_.size() - 1);
+    table_[h] = {b.x(), b.y(), b.z(), slot};
+  }
+  void grow() {
+    table_.assign(table_.size() * 2, Entry{});
+    for (std::uint32_t s = 0; s < blocks_.size(); ++s) insert(blocks_[s]->index, s);
+  }
+  void compact_log() {
+    std::erase_if(log_, [&](const auto& e) { return blocks_[e.second]->changed != e.first; });
+  }
+
+  VoxelGridOptions options_;
+  double inverse_size_ = 1.0;
+  std::vector<std::unique_ptr<Block>> blocks_;
+  std::vector<Entry> table_;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> log_;
+  std::uint64_t revision_ = 0;
+};
+}  // namespace surfleet

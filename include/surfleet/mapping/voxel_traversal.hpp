@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+/// @file  The voxels a straight segment passes through.
+#pragma once
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include <surfleet/mapping/voxel_grid.hpp>
+
+namespace surfleet {
+/// Calls `visit(VoxelIndex)` for every voxel on the segment from `from` to `to` [m], in order,
+/// both ends' voxels included, until `visit` returns false. True if the end was reached.
+///
+/// Amanatides and Woo (1987): steps from face to face, O(voxels passed), never skips a voxel the
+/// segment's interior crosses. At an exact edge or corner the lower axis is stepped first.
+template <typename Visit>
+bool traverse_voxels(const Point3& from, const Point3& to, double voxel_size, Visit&& visit) {
+  const Eigen::Vector3d a = from / voxel_size, b = to / voxel_size, d = b - a;
+  VoxelIndex v, step;
+  Eigen::Vector3d t_next, t_delta;
+  int left = 0;
+  for (int i = 0; i < 3; ++i) {
+    v[i] = static_cast<int>(std::floor(a[i]));
+    const int last = static_cast<int>(std::floor(b[i]));
+    left += std::abs(last - v[i]);
+    step[i] = last > v[i] ? 1 : -1;
+    const double edge = step[i] > 0 ? v[i] + 1.0 : static_cast<double>(v[i]);
+    const bool moves = last != v[i];
+    t_delta[i] = moves ? std::abs(1.0 / d[i]) : 0.0;
+    t_next[i] = moves ? (edge - a[i]) / d[i] : std::numeric_limits<double>::infinity();
+  }
+  VoxelIndex remaining(0, 0, 0);
+  for (int i = 0; i < 3; ++i) remaining[i] = std::abs(static_cast<int>(std::floor(b[i])) - v[i]);
+  for (;;) {
+    if (!visit(static_cast<const VoxelIndex&>(v))) return false;
+    if (left-- == 0) return true;
+    int axis = t_next[0] <= t_next[1] ? 0 : 1;
+    if (t_next[2] < t_next[axis]) axis = 2;
+    v[axis] += step[axis];
+    t_next[axis] = --remaining[axis] == 0 ? std::numeric_limits<double>::infinity()
+                                          : t_next[axis] + t_delta[axis];
+  }
+}
+}  // namespace surfleet
