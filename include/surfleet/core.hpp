@@ -8,3 +8,4 @@
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/core/random.hpp>
 #include <surfleet/core/types.hpp>
+#include <surfleet/core/version.hpp>

@@ -1,0 +1,53 @@
+# The library, its optional adapters, and how they are installed.
+find_package(Eigen3 3.3 REQUIRED NO_MODULE)
+find_package(Threads REQUIRED)
+
+file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}
+     ${PROJECT_SOURCE_DIR}/include/surfleet/*.hpp)
+list(FILTER headers EXCLUDE REGEX "include/surfleet/adapters/")
+
+add_library(surfleet INTERFACE)
+add_library(surfleet::surfleet ALIAS surfleet)
+target_compile_features(surfleet INTERFACE cxx_std_20)
+target_sources(surfleet INTERFACE FILE_SET HEADERS BASE_DIRS include FILES ${headers})
+target_link_libraries(surfleet INTERFACE Eigen3::Eigen Threads::Threads)
+set_target_properties(surfleet PROPERTIES VERIFY_INTERFACE_HEADER_SETS ${PROJECT_IS_TOP_LEVEL})
+set(targets surfleet)
+
+# surfleet_adapter(name package headers...): the component surfleet::<name>, where <package> is found.
+function(surfleet_adapter name package library)
+  find_package(${package} QUIET)
+  if(NOT TARGET ${library})
+    message(STATUS "surfleet::${name}: ${package} not found, left out")
+    return()
+  endif()
+  set(files)
+  foreach(header IN LISTS ARGN)
+    list(APPEND files include/surfleet/adapters/${header})
+  endforeach()
+  add_library(surfleet_${name} INTERFACE)
+  add_library(surfleet::${name} ALIAS surfleet_${name})
+  target_sources(surfleet_${name} INTERFACE FILE_SET HEADERS BASE_DIRS include FILES ${files})
+  target_link_libraries(surfleet_${name} INTERFACE surfleet ${library})
+  set_target_properties(surfleet_${name} PROPERTIES EXPORT_NAME ${name}
+                        VERIFY_INTERFACE_HEADER_SETS ${PROJECT_IS_TOP_LEVEL})
+  set(targets ${targets} surfleet_${name} PARENT_SCOPE)
+endfunction()
+
+surfleet_adapter(fcl fcl fcl fcl_body.hpp fcl_mesh_judge.hpp)
+surfleet_adapter(embree embree embree embree_ray_caster.hpp)
+surfleet_adapter(png PNG PNG::PNG png_writer.hpp)
+
+include(CMakePackageConfigHelpers)
+configure_package_config_file(cmake/surfleet-config.cmake.in surfleet-config.cmake
+                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/surfleet)
+write_basic_package_version_file(surfleet-config-version.cmake COMPATIBILITY SameMinorVersion
+                                 ARCH_INDEPENDENT)
+foreach(target IN LISTS targets)
+  install(TARGETS ${target} EXPORT ${target} FILE_SET HEADERS)
+  install(EXPORT ${target} NAMESPACE surfleet:: FILE ${target}-targets.cmake
+          DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/surfleet)
+endforeach()
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/surfleet-config.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/surfleet-config-version.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/surfleet)
