@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+/// @file  Everything of the geometry room.
+#pragma once
+
+#include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/graph.hpp>
+#include <surfleet/geometry/kd_tree.hpp>
+#include <surfleet/geometry/mesh_adjacency.hpp>
+#include <surfleet/geometry/mesh_io.hpp>
+#include <surfleet/geometry/mesh_primitives.hpp>
+#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/geometry/ply.hpp>
+#include <surfleet/geometry/point_cloud.hpp>
+#include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/geometry/text_scanner.hpp>
+#include <surfleet/geometry/triangle_mesh.hpp>
+#include <surfleet/geometry/triangle_queries.hpp>
