@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+/// @file  Everything of the mapping room.
+#pragma once
+
+#include <surfleet/mapping/marching_cubes.hpp>
+#include <surfleet/mapping/mesh_extractor.hpp>
+#include <surfleet/mapping/projective_update.hpp>
+#include <surfleet/mapping/ray_traversal_update.hpp>
+#include <surfleet/mapping/tsdf_integrator.hpp>
+#include <surfleet/mapping/tsdf_map.hpp>
+#include <surfleet/mapping/update_policy.hpp>
+#include <surfleet/mapping/voxel_grid.hpp>
+#include <surfleet/mapping/voxel_state_map.hpp>
+#include <surfleet/mapping/voxel_traversal.hpp>
+#include <surfleet/mapping/weight_policy.hpp>

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+/// @file  Smallest and largest depth in any rectangle of an image, in a few look-ups.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/parallel.hpp>
+
+namespace surfleet::detail {
+/// Extremes over square windows of 1, 2, 4, … tiles of 4 × 4 pixels, one window at every tile.
+///
+/// Building costs O(pixels + tiles · log tiles); a query reads about four windows. Answers cover
+/// whole tiles, so they may be looser than the rectangle, never tighter.
+class DepthPyramid {
+ public:
+  static constexpr int kTile = 4;
+
+  /// Prepares for an image of the given size; then fill every tile row, then `finish`.
+  void resize(int width, int height) {
+    tiles_x_ = (width + kTile - 1) / kTile;
+    tiles_y_ = (height + kTile - 1) / kTile;
+    levels_ = std::bit_width(static_cast<unsigned>(std::min(tiles_x_, tiles_y_)));
+    const std::size_t n = tiles() * static_cast<std::size_t>(levels_);
+    min_.resize(n);
+    max_.resize(n);
+  }
+  int tile_rows() const { return tiles_y_; }
+
+  /// Takes the depths of tile row `ty` from the whole image at `depth`.
+  void fill_row(int ty, const float* depth, int width, int height) {
+    const int v1 = std::min(height, (ty + 1) * kTile);
+    for (int tx = 0; tx < tiles_x_; ++tx) {
+      const int u0 = tx * kTile, u1 = std::min(width, u0 + kTile);
+      float low = depth[row(ty * kTile, width) + static_cast<std::size_t>(u0)], high = low;
+      for (int v = ty * kTile; v < v1; ++v)
+        for (int u = u0; u < u1; ++u) {
+          const float d = depth[row(v, width) + static_cast<std::size_t>(u)];
+          low = std::min(low, d);
+          high = std::max(high, d);
+        }
+      const std::size_t i = row(ty, tiles_x_) + static_cast<std::size_t>(tx);
+      min_[i] = low;
+      max_[i] = high;
+    }
+  }
+  void finish() {
+    for (int k = 1; k < levels_; ++k) {
+      const int half = 1 << (k - 1);
+      float* low = min_.data() + tiles() * static_cast<std::size_t>(k);
+      float* high = max_.data() + tiles() * static_cast<std::size_t>(k);
+      const float* low0 = low - tiles();
+      const float* high0 = high - tiles();
+      for (int y = 0; y + 2 * half <= tiles_y_; ++y) {
+        const std::size_t a = row(y, tiles_x_), b = row(y + half, tiles_x_);
+        const auto h = static_cast<std::size_t>(half);
+        const auto n = static_cast<std::size_t>(std::max(0, tiles_x_ - 2 * half + 1));
+        for (std::size_t x = 0; x < n; ++x) {
+          low[a + x] = std::min(std::min(low0[a + x], low0[a + x + h]),
+                                std::min(low0[b + x], low0[b + x + h]));
+          high[a + x] = std::max(std::max(high0[a + x], high0[a + x + h]),
+                                 std::max(high0[b + x], high0[b + x + h]));
+        }
+      }
+    }
+  }
+
+  /// Smallest and largest depth over pixels [u0, u1] × [v0, v1], which lie in the image.
+  std::pair<float, float> extremes(int u0, int v0, int u1, int v1) const {
+    const int a0 = u0 / kTile, a1 = u1 / kTile, b0 = v0 / kTile, b1 = v1 / kTile;
+    const int k = std::bit_width(static_cast<unsigned>(std::min(a1 - a0, b1 - b0) + 1)) - 1;
+    const int side = 1 << k;
+    const float* low = min_.data() + tiles() * static_cast<std::size_t>(k);
+    const float* high = max_.data() + tiles() * static_cast<std::size_t>(k);
+    float lowest = low[row(b0, tiles_x_) + static_cast<std::size_t>(a0)];
+    float highest = high[row(b0, tiles_x_) + static_cast<std::size_t>(a0)];
+    for (int y = b0; y <= b1; y += side) {
+      const std::size_t r = row(std::min(y, b1 + 1 - side), tiles_x_);
+      for (int x = a0; x <= a1; x += side) {
+        const std::size_t i = r + static_cast<std::size_t>(std::min(x, a1 + 1 - side));
+        lowest = std::min(lowest, low[i]);
+        highest = std::max(highest, high[i]);
+      }
+    }
+    return {lowest, highest};
+  }
+
+ private:
+  static std::size_t row(int y, int width) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+  }
+  std::size_t tiles() const { return row(tiles_y_, tiles_x_); }
+
+  int tiles_x_ = 0, tiles_y_ = 0, levels_ = 0;
+  std::vector<float> min_, max_;
+};
+}  // namespace surfleet::detail

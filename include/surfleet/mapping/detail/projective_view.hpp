@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: MIT
+/// @file  One pinhole view of depths as the projective update works with it: which blocks it
+///        concerns, and what it says of each of their voxels.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <surfleet/mapping/detail/depth_pyramid.hpp>
+#include <surfleet/mapping/update_policy.hpp>
+
+namespace surfleet::detail {
+/// Depth that stands for "nothing met up to the range" and, negative, for "no measurement".
+inline constexpr float kBeyondDepth = 1e8F;
+/// Points nearer to the camera's plane than this belong to no view [m].
+inline constexpr float kNearPlane = 1e-3F;
+
+/// A pinhole image of depths along z with pixel centres at integers. Stored as inverse depths,
+/// which are affine in pixel coordinates over a plane, so interpolating them is exact on planes.
+struct ProjectiveView {
+  int width = 0, height = 0;
+  int margin = 0;  ///< Outer pixels that serve interpolation only: no voxel is theirs.
+  float fx = 1, fy = 1, cx = 0, cy = 0;
+  float z_limit = 0;      ///< Nothing is carved at greater depth [m].
+  float range_limit = 0;  ///< Nothing is carved at greater distance from the sensor [m].
+  float max_step_u = 0, max_step_v = 0;  ///< Relative change of inverse depth from pixel to pixel
+                                         ///< up to which they count as one surface.
+  Pose T_world_camera = Pose::Identity();
+  std::vector<float> inverse_depth;  ///< Row by row, then one "no measurement".
+  DepthPyramid pyramid;
+
+  std::size_t pixels() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+  void set_slope_limit(double max_slope) {
+    max_step_u = static_cast<float>(max_slope) / fx;
+    max_step_v = static_cast<float>(max_slope) / fy;
+  }
+  /// Sets the size, then fills every pixel by `depth_at(u, v)`, whose result is a depth, or
+  /// ±`kBeyondDepth`.
+  template <typename DepthRow>
+  void fill(int threads, DepthRow&& depth_row) {
+    inverse_depth.resize(pixels() + 1);
+    depth_.resize(pixels());
+    inverse_depth.back() = -1.0F / kBeyondDepth;
+    pyramid.resize(width, height);
+    parallel_for(
+        static_cast<std::size_t>(pyramid.tile_rows()), threads,
+        [&](std::size_t ty) {
+          const int v0 = static_cast<int>(ty) * DepthPyramid::kTile;
+          for (int v = v0; v < std::min(height, v0 + DepthPyramid::kTile); ++v) {
+            const std::size_t base = static_cast<std::size_t>(v) * static_cast<std::size_t>(width);
+            float* depth = depth_.data() + base;
+            float* inverse = inverse_depth.data() + base;
+            depth_row(v, depth);
+            for (int u = 0; u < width; ++u) inverse[u] = 1.0F / depth[u];
+          }
+          pyramid.fill_row(static_cast<int>(ty), depth_.data(), width, height);
+        },
+        8);
+    pyramid.finish();
+  }
+
+ private:
+  std::vector<float> depth_;
+};
+
+enum class Visibility : std::uint8_t { none, mixed, free };
+
+/// A block a view may concern; `free` if all its voxels lie before every surface.
+struct ViewedBlock {
+  BlockIndex index;
+  std::uint32_t slot;
+  bool free;
+};
+
+/// Finds the blocks of a view by halving cubes of blocks: cubes outside the view or wholly hidden
+/// are dropped at once, cubes wholly before every surface taken at once.
+class ViewedBlockSearch {
+ public:
+  ViewedBlockSearch(const ProjectiveView& view, const TsdfMap& map, double truncation, bool carve)
+      : view_(view), map_(map), truncation_(truncation), carve_(carve) {
+    const Pose T = view.T_world_camera.inverse(Eigen::Isometry);
+    const double block = map.voxel_size() * TsdfMap::kBlockSide;
+    axes_ = T.linear() * block;
+    shift_ = T.translation();
+    rotation_ = T.linear();
+    // Voxel centres lie half a voxel inside the faces of a cube of blocks.
+    inset_ = map.voxel_size() * 0.5;
+    const double half = 0.5 - view.margin;
+    const double left = (-half - view.cx) / view.fx, top = (-half - view.cy) / view.fy;
+    const double right = (view.width - 1 + half - view.cx) / view.fx;
+    const double bottom = (view.height - 1 + half - view.cy) / view.fy;
+    sides_ = {Eigen::Vector3d(1, 0, -left), Eigen::Vector3d(-1, 0, right),
+              Eigen::Vector3d(0, 1, -top), Eigen::Vector3d(0, -1, bottom)};
+    const auto deepest = view.pyramid.extremes(0, 0, view.width - 1, view.height - 1).second;
+    far_ = std::min<double>({view.z_limit, view.range_limit, std::max(0.0F, deepest)}) + truncation;
+    bounds_.extend(view.T_world_camera.translation());
+    for (const double x : {left, right})
+      for (const double y : {top, bottom})
+        bounds_.extend(view.T_world_camera * Point3(x * far_, y * far_, far_));
+    nothing_ = deepest <= 0.0F;
+  }
+
+  /// In an order that depends on the view alone.
+  void run(std::vector<ViewedBlock>& found) {
+    found.clear();
+    if (nothing_) return;
+    low_ = TsdfMap::block_of(map_.index_of(bounds_.min()));
+    high_ = TsdfMap::block_of(map_.index_of(bounds_.max()));
+    int level = 0;
+    while ((1 << level) <= (high_ - low_).maxCoeff()) ++level;
+    visit(low_, level, found);
+  }
+
+ private:
+  void visit(const BlockIndex& at, int level, std::vector<ViewedBlock>& found) {
+    if ((at.array() > high_.array()).any()) return;
+    const Visibility v = classify(at, 1 << level);
+    if (v == Visibility::none) return;
+    if (v == Visibility::free || level == 0) {
+      const int n = 1 << level;
+      for (int z = 0; z < n; ++z)
+        for (int y = 0; y < n; ++y)
+          for (int x = 0; x < n; ++x) {
+            const BlockIndex b = at + BlockIndex(x, y, z);
+            found.push_back({b, map_.find_slot(b), v == Visibility::free});
+          }
+      return;
+    }
+    const int half = 1 << (level - 1);
+    for (int child = 0; child < 8; ++child)
+      visit(at + half * BlockIndex(child & 1, (child >> 1) & 1, child >> 2), level - 1, found);
+  }
+
+  Visibility classify(const BlockIndex& at, int side) const {
+    const Eigen::Vector3d corner =
+        axes_ * at.cast<double>() + shift_ + rotation_ * Eigen::Vector3d::Constant(inset_);
+    const Eigen::Matrix3d edges = axes_ * side - rotation_ * (2.0 * inset_);
+    const Eigen::Vector3d low = corner + edges.cwiseMin(0.0).rowwise().sum();
+    const Eigen::Vector3d high = corner + edges.cwiseMax(0.0).rowwise().sum();
+    if (high.z() <= kNearPlane || low.z() > far_) return Visibility::none;
+    for (const Eigen::Vector3d& n : sides_)
+      if (n.dot(corner) + (n.transpose() * edges).cwiseMax(0.0).sum() < 0.0)
+        return Visibility::none;
+    const Eigen::Vector3d nearest = low.cwiseMax(0.0) + high.cwiseMin(0.0);
+    if (nearest.norm() > view_.range_limit + truncation_) return Visibility::none;
+    if (low.z() <= kNearPlane) return Visibility::mixed;
+
+    double u0 = 1e30, u1 = -1e30, v0 = 1e30, v1 = -1e30;
+    for (int c = 0; c < 8; ++c) {
+      Eigen::Vector3d p = corner;
+      for (int i = 0; i < 3; ++i)
+        if ((c >> i & 1) != 0) p += edges.col(i);
+      const double u = view_.fx * p.x() / p.z() + view_.cx;
+      const double v = view_.fy * p.y() / p.z() + view_.cy;
+      u0 = std::min(u0, u), u1 = std::max(u1, u);
+      v0 = std::min(v0, v), v1 = std::max(v1, v);
+    }
+    // The pixels whose centre is nearest to any point of the rectangle, with room for rounding.
+    const auto pixel = [](double x, double round, int n) {
+      return static_cast<int>(std::floor(std::clamp(x + round, -1.0, n + 1.0)));
+    };
+    const int a = pixel(u0, 0.49, view_.width), b = pixel(v0, 0.49, view_.height);
+    const int c = pixel(u1, 0.51, view_.width), d = pixel(v1, 0.51, view_.height);
+    const int m = view_.margin;
+    const bool inside = a >= m && b >= m && c < view_.width - m && d < view_.height - m;
+    const int ua = std::max(a, 0), va = std::max(b, 0);
+    const int ub = std::min(c, view_.width - 1), vb = std::min(d, view_.height - 1);
+    if (ua > ub || va > vb) return Visibility::none;
+    const auto [shallowest, deepest] = view_.pyramid.extremes(ua, va, ub, vb);
+    if (deepest < low.z() - truncation_) return Visibility::none;
+    const double limit = std::max<double>(view_.z_limit, 0.0);
+    if (inside && shallowest >= high.z() + truncation_ && high.z() <= limit) {
+      const Eigen::Vector3d farthest = low.cwiseAbs().cwiseMax(high.cwiseAbs());
+      if (farthest.norm() <= view_.range_limit) return carve_ ? Visibility::free : Visibility::none;
+    }
+    return Visibility::mixed;
+  }
+
+  const ProjectiveView& view_;
+  const TsdfMap& map_;
+  double truncation_, inset_ = 0.0, far_ = 0.0;
+  bool carve_, nothing_ = false;
+  Eigen::Matrix3d axes_, rotation_;
+  Eigen::Vector3d shift_;
+  std::array<Eigen::Vector3d, 4> sides_;
+  Box3 bounds_;
+  BlockIndex low_, high_;
+};
+
+/// What a view says of the voxels of one block, slice by slice of constant z index.
+class BlockObserver {
+ public:
+  static constexpr int kSide = TsdfMap::kBlockSide;
+  static constexpr int kSlice = kSide * kSide;
+
+  BlockObserver(const ProjectiveView& view, const TsdfOptions& options, double voxel_size,
+                const BlockIndex& block)
+      : view_(view),
+        truncation_(static_cast<float>(options.truncation)),
+        refine_(static_cast<float>(std::min(options.truncation, 2.0 * voxel_size))),
+        carve_(options.carve_free_space) {
+    // In double as far as the block, so that precision does not fade away from the origin.
+    const Eigen::Matrix3d R = view.T_world_camera.linear().transpose() * voxel_size;
+    const Eigen::Vector3d first =
+        (block.cast<double>() * kSide + Eigen::Vector3d::Constant(0.5)) * voxel_size;
+    start_ =
+        (view.T_world_camera.linear().transpose() * (first - view.T_world_camera.translation()))
+            .cast<float>();
+    step_ = R.cast<float>();
+  }
+
+  std::array<float, kSlice> squared_range;  ///< Of the voxels of the slice last looked at [m²].
+  std::array<float, kSlice> sdf;            ///< Truncated signed distance [m].
+  std::array<float, kSlice> seen;           ///< 1 where the view says something, else 0.
+
+  /// Squared ranges alone.
+  void measure_ranges(int z) {
+    const Eigen::Vector3f base = start_ + step_.col(2) * static_cast<float>(z);
+    for (int i = 0; i < kSlice; ++i) {
+      const auto x = static_cast<float>(i % kSide), y = static_cast<float>(i / kSide);
+      const float px = base.x() + x * step_(0, 0) + y * step_(0, 1);
+      const float py = base.y() + x * step_(1, 0) + y * step_(1, 1);
+      const float pz = base.z() + x * step_(2, 0) + y * step_(2, 1);
+      squared_range[static_cast<std::size_t>(i)] = px * px + py * py + pz * pz;
+    }
+  }
+
+  /// Everything; false if the view says nothing of the slice.
+  bool observe(int z) {
+    const Eigen::Vector3f base = start_ + step_.col(2) * static_cast<float>(z);
+    const float w = static_cast<float>(view_.width), h = static_cast<float>(view_.height);
+    const float m = static_cast<float>(view_.margin);
+    const auto nowhere = static_cast<std::int32_t>(view_.pixels());
+    std::array<float, kSlice> depth, u, v, inverse;
+    std::array<std::int32_t, kSlice> pixel;
+    for (std::size_t i = 0; i < kSlice; ++i) {
+      const auto x = static_cast<float>(static_cast<int>(i) % kSide);
+      const auto y = static_cast<float>(static_cast<int>(i) / kSide);
+      const float px = base.x() + x * step_(0, 0) + y * step_(0, 1);
+      const float py = base.y() + x * step_(1, 0) + y * step_(1, 1);
+      const float pz = base.z() + x * step_(2, 0) + y * step_(2, 1);
+      squared_range[i] = px * px + py * py + pz * pz;
+      const float scale = 1.0F / std::max(pz, kNearPlane);
+      // Shifted by half a pixel, so that truncation finds the nearest centre.
+      const float su = std::min(std::max(view_.fx * px * scale + view_.cx + 0.5F, -1.0F), w);
+      const float sv = std::min(std::max(view_.fy * py * scale + view_.cy + 0.5F, -1.0F), h);
+      const bool in = (pz > kNearPlane) & (su >= m) & (sv >= m) & (su < w - m) & (sv < h - m);
+      const auto iu = static_cast<std::int32_t>(su), iv = static_cast<std::int32_t>(sv);
+      pixel[i] = in ? iv * view_.width + iu : nowhere;
+      depth[i] = pz;
+      u[i] = su - 0.5F;
+      v[i] = sv - 0.5F;
+    }
+    for (std::size_t i = 0; i < kSlice; ++i)
+      inverse[i] = view_.inverse_depth[static_cast<std::size_t>(pixel[i])];
+    // Along the ray: the difference of depths, scaled by the ray's length at unit depth.
+    float any = 0.0F;
+    const float range2 = view_.range_limit * view_.range_limit;
+    const float carve = carve_ ? 1.0F : 0.0F;
+    for (std::size_t i = 0; i < kSlice; ++i) {
+      const float stretch = std::sqrt(squared_range[i]) / std::max(depth[i], kNearPlane);
+      const float d = (1.0F / inverse[i] - depth[i]) * stretch;
+      const bool reached = (depth[i] <= view_.z_limit) & (squared_range[i] <= range2);
+      const float ahead = d >= truncation_ ? (reached ? carve : 0.0F) : 0.0F;
+      const float band = std::abs(d) < truncation_ ? 1.0F : 0.0F;
+      sdf[i] = std::min(d, truncation_);
+      seen[i] = ahead + band;
+      any += seen[i];
+    }
+    if (any == 0.0F) return false;
+    for (std::size_t i = 0; i < kSlice; ++i)
+      if (std::abs(sdf[i]) < refine_) refine(i, u[i], v[i], depth[i]);
+    return true;
+  }
+
+ private:
+  /// Interpolates between the four pixels around, where they show one surface. Across a jump of
+  /// depth the nearest pixel stands, so that edges are not smeared.
+  void refine(std::size_t i, float u, float v, float depth) {
+    const auto u0 = static_cast<std::int32_t>(std::max(u, 0.0F));
+    const auto v0 = static_cast<std::int32_t>(std::max(v, 0.0F));
+    if (u < 0.0F || v < 0.0F || u0 + 1 >= view_.width || v0 + 1 >= view_.height) return;
+    const float* row =
+        view_.inverse_depth.data() + static_cast<std::ptrdiff_t>(v0) * view_.width + u0;
+    const float a = row[0], b = row[1], c = row[view_.width], d = row[view_.width + 1];
+    const float low = std::min(std::min(a, b), std::min(c, d));
+    const float high = std::max(std::max(a, b), std::max(c, d));
+    const bool smooth =
+        (low > 2.0F / kBeyondDepth) & (high - low <= (view_.max_step_u + view_.max_step_v) * high);
+    if (!smooth) return;
+    const float s = u - static_cast<float>(u0), t = v - static_cast<float>(v0);
+    const float top = a + (b - a) * s, bottom = c + (d - c) * s;
+    const float stretch = std::sqrt(squared_range[i]) / depth;
+    const float refined = (1.0F / (top + (bottom - top) * t) - depth) * stretch;
+    sdf[i] = std::clamp(refined, -truncation_, truncation_);
+  }
+
+  const ProjectiveView& view_;
+  float truncation_, refine_;
+  bool carve_;
+  Eigen::Vector3f start_;
+  Eigen::Matrix3f step_;
+};
+
+/// Folds a slice of observations into voxels; true if any changed.
+template <bool kFree, WeightPolicy Weight>
+bool fuse_slice(TsdfVoxel* voxels, const BlockObserver& o, const Weight& weight, float truncation,
+                float max_weight) {
+  std::array<float, BlockObserver::kSlice> gain;
+  for (std::size_t i = 0; i < gain.size(); ++i) {
+    if constexpr (kFree)
+      gain[i] = observation_weight(weight, truncation, o.squared_range[i]);
+    else
+      gain[i] = observation_weight(weight, o.sdf[i], o.squared_range[i]) * o.seen[i];
+  }
+  float change = 0.0F;
+  for (std::size_t i = 0; i < gain.size(); ++i) {
+    const float d = voxels[i].distance, w = voxels[i].weight;
+    const float sdf = kFree ? truncation : o.sdf[i];
+    const float share = gain[i] / std::max(w + gain[i], 1e-30F);
+    const float next_d = d + (sdf - d) * share;
+    const float next_w = std::min(w + gain[i], max_weight);
+    change = std::max(change, std::max(std::abs(next_d - d), std::abs(next_w - w)));
+    voxels[i].distance = next_d;
+    voxels[i].weight = next_w;
+  }
+  return change > 0.0F;
+}
+}  // namespace surfleet::detail

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+/// @file  A scan of points as pinhole images on the faces of a cube around the sensor.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <surfleet/core/parallel.hpp>
+#include <surfleet/mapping/detail/projective_view.hpp>
+
+namespace surfleet::detail {
+/// Sorts the points of a scan into six square images whose resolution follows the points' density,
+/// then resamples each image at its pixel centres.
+///
+/// A pixel keeps one of its points: the one nearest to its centre, or, where they disagree by more
+/// than the slope limit, the one nearest to the sensor, so that thin things are not carved away.
+/// Resampling fits a plane (inverse depth affine in pixel coordinates) to the kept points of the
+/// 3 × 3 pixels around, which bridges the gaps between scan lines; a gap wider than two pixels
+/// stays without measurement.
+class ScanProjection {
+ public:
+  static constexpr int kFaces = 6;
+
+  void project(const ScanObservation& o, const TsdfOptions& options) {
+    T_world_sensor_ = o.T_world_sensor;
+    max_range_ = o.max_range;
+    located_.resize(o.points.size());
+    const double near2 = o.min_range * o.min_range, far2 = o.max_range * o.max_range;
+    const bool beyond = options.carve_beyond_range && options.carve_free_space;
+    parallel_for(
+        o.points.size(), options.threads,
+        [&](std::size_t i) { located_[i] = locate(o.points[i], near2, far2, beyond); }, 2048);
+
+    // Density: points a cell over the cells of a coarse cube that hold any, in cells of equal
+    // solid angle to within the cube's distortion, which is divided out.
+    constexpr int kCoarse = 24;
+    std::array<std::vector<float>, kFaces> coarse;
+    for (auto& c : coarse) c.assign(kCoarse * kCoarse, 0.0F);
+    for (const Located& p : located_) {
+      if (p.face < 0) continue;
+      const auto cell = [](float x) {
+        return std::clamp(static_cast<int>((x + 1.0F) * 0.5F * kCoarse), 0, kCoarse - 1);
+      };
+      coarse[static_cast<std::size_t>(p.face)]
+            [static_cast<std::size_t>(cell(p.y) * kCoarse + cell(p.x))] += 1.0F;
+    }
+    double count = 0.0, solid_angle = 0.0;
+    for (const auto& face : coarse)
+      for (std::size_t i = 0; i < face.size(); ++i) {
+        if (face[i] == 0.0F) continue;
+        const double x = (static_cast<double>(i % kCoarse) + 0.5) * 2.0 / kCoarse - 1.0;
+        const double y = (static_cast<double>(i / kCoarse) + 0.5) * 2.0 / kCoarse - 1.0;
+        count += static_cast<double>(face[i]);
+        solid_angle += 4.0 / (kCoarse * kCoarse) / std::pow(1.0 + x * x + y * y, 1.5);
+      }
+    const double per_pixel = kPointsPerPixel * solid_angle / std::max(count, 1.0);
+    const double per_face = 2.0 * kPi / 3.0 / std::max(per_pixel, 1e-9);
+    side_ = std::clamp(static_cast<int>(std::lround(std::sqrt(per_face))), 8, 2048);
+    bin(options);
+  }
+
+  /// Makes `view` the given face; false if it holds no measurement.
+  bool resample(int face, const TsdfOptions& options, ProjectiveView& view) {
+    const auto f = static_cast<std::size_t>(face);
+    if (counts_[f] == 0) return false;
+    const int n = side_ + 2 * kMargin;
+    view.width = view.height = n;
+    view.margin = kMargin;
+    view.fx = view.fy = focal();
+    view.cx = view.cy = center();
+    view.z_limit = static_cast<float>(max_range_);
+    view.range_limit = static_cast<float>(max_range_);
+    view.set_slope_limit(options.max_slope);
+    view.T_world_camera = T_world_sensor_ * Pose(axes(face));
+    const std::vector<Sample>& samples = samples_[f];
+    view.fill(options.threads, [&](int v, float* out) {
+      for (int u = 0; u < n; ++u) out[u] = 1.0F / fit(samples, u, v, view.max_step_u);
+    });
+    return true;
+  }
+
+ private:
+  static constexpr int kMargin = 2;
+  static constexpr double kPointsPerPixel = 1.5;
+  /// A point on its face: x and y at unit depth, in [−1, 1], and 1 / depth.
+  struct Located {
+    std::int32_t face;
+    float x, y, inverse;
+  };
+  struct Sample {
+    float du = 0.0F, dv = 0.0F;  ///< From the pixel's centre [px].
+    float inverse = 0.0F;        ///< 1 / depth; 0 for none.
+  };
+
+  /// Columns: the face's x, y, z axes in the sensor frame.
+  static Eigen::Matrix3d axes(int face) {
+    const int axis = face / 2;
+    const double sign = face % 2 == 0 ? 1.0 : -1.0;
+    Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
+    R(axis, 2) = sign;
+    R((axis + 1) % 3, 0) = 1.0;
+    R((axis + 2) % 3, 1) = sign;
+    return R;
+  }
+  float focal() const { return 0.5F * static_cast<float>(side_); }
+  float center() const { return 0.5F * static_cast<float>(side_ + 2 * kMargin - 1); }
+
+  static Located locate(const Point3& p, double near2, double far2, bool beyond) {
+    const double r2 = p.squaredNorm();
+    if (!(r2 >= near2 && r2 > 0.0 && r2 < 1e30)) return {-1, 0, 0, 0};
+    if (r2 > far2 && !beyond) return {-1, 0, 0, 0};
+    int axis = 0;
+    p.cwiseAbs().maxCoeff(&axis);
+    const int face = 2 * axis + (p[axis] < 0.0 ? 1 : 0);
+    const double z = std::abs(p[axis]), sign = p[axis] < 0.0 ? -1.0 : 1.0;
+    return {face, static_cast<float>(p[(axis + 1) % 3] / z),
+            static_cast<float>(sign * p[(axis + 2) % 3] / z),
+            r2 > far2 ? 1.0F / kBeyondDepth : static_cast<float>(1.0 / z)};
+  }
+
+  void bin(const TsdfOptions& options) {
+    const int n = side_ + 2 * kMargin;
+    parallel_for(kFaces, options.threads, [&](std::size_t f) {
+      std::vector<Sample>& samples = samples_[f];
+      samples.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), Sample{});
+      counts_[f] = 0;
+      const float step = static_cast<float>(options.max_slope) / focal();
+      const float reach = 1.0F + 2.0F * kMargin / static_cast<float>(side_);
+      const Eigen::Matrix3f to_face = axes(static_cast<int>(f)).transpose().cast<float>();
+      for (const Located& p : located_) {
+        if (p.face < 0) continue;
+        float x = p.x, y = p.y, inverse = p.inverse;
+        if (p.face != static_cast<int>(f)) {
+          // Points just beyond the face's border fill its margin.
+          if (std::max(std::abs(x), std::abs(y)) * reach < 1.0F) continue;
+          const Eigen::Vector3f q =
+              to_face * (axes(p.face).cast<float>() * Eigen::Vector3f(x, y, 1.0F));
+          if (q.z() < 0.5F || std::max(std::abs(q.x()), std::abs(q.y())) > q.z() * reach) continue;
+          x = q.x() / q.z();
+          y = q.y() / q.z();
+          if (inverse > 2.0F / kBeyondDepth) inverse /= q.z();
+        }
+        const float u = x * focal() + center(), v = y * focal() + center();
+        const int iu = static_cast<int>(u + 0.5F), iv = static_cast<int>(v + 0.5F);
+        if (iu < 0 || iv < 0 || iu >= n || iv >= n) continue;
+        const Sample s{u - static_cast<float>(iu), v - static_cast<float>(iv), inverse};
+        Sample& kept = samples[static_cast<std::size_t>(iv) * static_cast<std::size_t>(n) +
+                               static_cast<std::size_t>(iu)];
+        ++counts_[f];
+        const float limit = step * std::max(s.inverse, kept.inverse);
+        const bool nearer = s.inverse - kept.inverse > limit;
+        const bool similar = std::abs(s.inverse - kept.inverse) <= limit;
+        const bool central = s.du * s.du + s.dv * s.dv < kept.du * kept.du + kept.dv * kept.dv;
+        if (nearer || (similar && central)) kept = s;
+      }
+    });
+  }
+
+  /// Inverse depth at the centre of pixel (u, v); −1 / `kBeyondDepth` where nothing is known.
+  float fit(const std::vector<Sample>& samples, int u, int v, float step) const {
+    constexpr float kNothing = -1.0F / kBeyondDepth;
+    const int n = side_ + 2 * kMargin;
+    const auto at = [&](int x, int y) -> const Sample& {
+      return samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(n) +
+                     static_cast<std::size_t>(x)];
+    };
+    // The pixel's own point, or the nearest to the sensor among its neighbours'.
+    Sample own = at(u, v);
+    int radius = 1;
+    if (own.inverse == 0.0F) {
+      for (radius = 1; radius <= 2; ++radius) {
+        int found = 0;
+        for (int y = std::max(0, v - radius); y <= std::min(n - 1, v + radius); ++y)
+          for (int x = std::max(0, u - radius); x <= std::min(n - 1, u + radius); ++x)
+            if (at(x, y).inverse > 0.0F) {
+              ++found;
+              own.inverse = std::max(own.inverse, at(x, y).inverse);
+            }
+        if (found >= 3) break;
+        own.inverse = 0.0F;
+      }
+      if (own.inverse == 0.0F) return kNothing;
+    }
+    if (own.inverse < 2.0F / kBeyondDepth) return own.inverse;
+
+    float sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sz = 0, sxz = 0, syz = 0;
+    float low = own.inverse, high = own.inverse;
+    const float limit = step * static_cast<float>(radius + 1) * own.inverse;
+    for (int y = std::max(0, v - radius); y <= std::min(n - 1, v + radius); ++y)
+      for (int x = std::max(0, u - radius); x <= std::min(n - 1, u + radius); ++x) {
+        const Sample& s = at(x, y);
+        const float dz = s.inverse - own.inverse;
+        if (s.inverse == 0.0F || std::abs(dz) > limit) continue;
+        const float dx = static_cast<float>(x - u) + s.du, dy = static_cast<float>(y - v) + s.dv;
+        const float w = 1.0F / (0.25F + dx * dx + dy * dy);
+        sw += w, sx += w * dx, sy += w * dy, sz += w * dz;
+        sxx += w * dx * dx, sxy += w * dx * dy, syy += w * dy * dy;
+        sxz += w * dx * dz, syz += w * dy * dz;
+        low = std::min(low, s.inverse);
+        high = std::max(high, s.inverse);
+      }
+    const float cxx = sxx - sx * sx / sw, cxy = sxy - sx * sy / sw, cyy = syy - sy * sy / sw;
+    const float cxz = sxz - sx * sz / sw, cyz = syz - sy * sz / sw;
+    const float det = cxx * cyy - cxy * cxy;
+    if (!(det > 0.05F * (cxx + cyy) * (cxx + cyy))) {
+      // All on one line or alone: too little for a plane.
+      return std::clamp(own.inverse + sz / sw, low, high);
+    }
+    const float gx = (cxz * cyy - cyz * cxy) / det, gy = (cyz * cxx - cxz * cxy) / det;
+    const float value = own.inverse + (sz - gx * sx - gy * sy) / sw;
+    return std::clamp(value, low, high);
+  }
+
+  Pose T_world_sensor_ = Pose::Identity();
+  double max_range_ = 0.0;
+  int side_ = 8;
+  std::vector<Located> located_;
+  std::array<std::vector<Sample>, kFaces> samples_;
+  std::array<std::size_t, kFaces> counts_{};
+};
+}  // namespace surfleet::detail

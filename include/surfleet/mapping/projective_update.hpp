@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+/// @file  The projective TSDF update: every voxel in the view looks up its pixel.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <surfleet/mapping/detail/projective_view.hpp>
+#include <surfleet/mapping/detail/scan_projection.hpp>
+#include <surfleet/mapping/update_policy.hpp>
+
+namespace surfleet {
+/// Projects the centre of every voxel in the view and compares its depth with the image's, free
+/// space included.
+///
+/// The distance is taken along the voxel's ray. Near the surface inverse depth is interpolated
+/// between the four pixels around, which is exact on planes; across a jump steeper than
+/// `max_slope`, or beside a pixel without measurement, the nearest pixel decides alone, so that
+/// nothing is smeared from one surface to the next. Blocks that lie wholly before or behind what a
+/// pyramid of depths shows are carved or skipped without projecting their voxels. A scan of points
+/// is first resampled to the six faces of a cube around the sensor, each then a view of its own.
+///
+/// O(pixels + voxels in the view), the free ones at a small fraction of the cost. Holds scratch
+/// memory: one object a thread of the caller's.
+class ProjectiveUpdate {
+ public:
+  template <WeightPolicy Weight>
+  std::size_t operator()(const DepthObservation& o, const Weight& weight,
+                         const TsdfOptions& options, TsdfMap& map) {
+    const PinholeCamera& camera = o.camera;
+    view_.width = camera.width;
+    view_.height = camera.height;
+    view_.margin = 0;
+    view_.fx = static_cast<float>(camera.fx);
+    view_.fy = static_cast<float>(camera.fy);
+    view_.cx = static_cast<float>(camera.cx);
+    view_.cy = static_cast<float>(camera.cy);
+    view_.z_limit = static_cast<float>(camera.max_range);
+    view_.range_limit = 1e6F;
+    view_.set_slope_limit(options.max_slope);
+    view_.T_world_camera = o.T_world_camera;
+    const auto nearest = static_cast<float>(camera.min_range);
+    const float farthest = view_.z_limit;
+    const float beyond = options.carve_beyond_range && options.carve_free_space
+                             ? detail::kBeyondDepth
+                             : -detail::kBeyondDepth;
+    view_.fill(options.threads, [&](int v, float* out) {
+      const float* in = o.image.depth.data() + o.image.index(0, v);
+      for (int u = 0; u < camera.width; ++u) {
+        const float d = in[u];
+        const bool measured = (d > 0.0F) & (d >= nearest) & (d < 3e38F);
+        const float within = d > farthest ? beyond : d;
+        out[u] = measured ? within : -detail::kBeyondDepth;
+      }
+    });
+    return fold(view_, weight, options, map);
+  }
+
+  template <WeightPolicy Weight>
+  std::size_t operator()(const ScanObservation& o, const Weight& weight, const TsdfOptions& options,
+                         TsdfMap& map) {
+    std::size_t changed = 0;
+    scan_.project(o, options);
+    for (int face = 0; face < detail::ScanProjection::kFaces; ++face)
+      if (scan_.resample(face, options, view_)) changed += fold(view_, weight, options, map);
+    return changed;
+  }
+
+ private:
+  template <WeightPolicy Weight>
+  std::size_t fold(const detail::ProjectiveView& view, const Weight& weight,
+                   const TsdfOptions& options, TsdfMap& map) {
+    using detail::BlockObserver;
+    detail::ViewedBlockSearch search(view, map, options.truncation, options.carve_free_space);
+    search.run(blocks_);
+    changed_.assign(blocks_.size(), 0);
+
+    // Blocks not made yet are made only if the view has something to say of them.
+    parallel_for(
+        blocks_.size(), options.threads,
+        [&](std::size_t i) {
+          const detail::ViewedBlock& b = blocks_[i];
+          if (b.slot != TsdfMap::kNone) return;
+          changed_[i] = b.free ? 1 : 0;
+          BlockObserver observer(view, options, map.voxel_size(), b.index);
+          for (int z = 0; z < BlockObserver::kSide && changed_[i] == 0; ++z)
+            if (observer.observe(z))
+              for (std::size_t n = 0; n < BlockObserver::kSlice && changed_[i] == 0; ++n)
+                if (observer.seen[n] > 0.0F &&
+                    detail::observation_weight(weight, observer.sdf[n], observer.squared_range[n]) >
+                        0.0F)
+                  changed_[i] = 1;
+        },
+        16);
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      if (changed_[i] != 0) blocks_[i].slot = map.ensure_slot(blocks_[i].index);
+      changed_[i] = 0;
+    }
+
+    const auto truncation = static_cast<float>(options.truncation);
+    const auto max_weight = static_cast<float>(options.max_weight);
+    parallel_for(
+        blocks_.size(), options.threads,
+        [&](std::size_t i) {
+          const detail::ViewedBlock& b = blocks_[i];
+          if (b.slot == TsdfMap::kNone) return;
+          TsdfVoxel* voxels = map.block(b.slot).voxels.data();
+          BlockObserver observer(view, options, map.voxel_size(), b.index);
+          bool changed = false;
+          for (int z = 0; z < BlockObserver::kSide; ++z, voxels += BlockObserver::kSlice) {
+            if (b.free) {
+              observer.measure_ranges(z);
+              changed |= detail::fuse_slice<true>(voxels, observer, weight, truncation, max_weight);
+            } else if (observer.observe(z)) {
+              changed |=
+                  detail::fuse_slice<false>(voxels, observer, weight, truncation, max_weight);
+            }
+          }
+          changed_[i] = changed ? 1 : 0;
+        },
+        16);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      if (changed_[i] == 0) continue;
+      map.mark_changed(blocks_[i].slot);
+      ++count;
+    }
+    return count;
+  }
+
+  detail::ProjectiveView view_;
+  detail::ScanProjection scan_;
+  std::vector<detail::ViewedBlock> blocks_;
+  std::vector<std::uint8_t> changed_;
+};
+
+static_assert(UpdatePolicy<ProjectiveUpdate>);
+}  // namespace surfleet
