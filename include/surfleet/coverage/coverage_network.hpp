@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+/// @file  Voronoi coverage by robots that know only what they asked their neighbours, and the
+/// record
+///        of who asked whom.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <surfleet/coverage/centroid.hpp>
+#include <surfleet/coverage/voronoi_cells.hpp>
+
+namespace surfleet {
+/// What a robot answers: where it is, and where its Voronoi neighbours were when it last heard.
+struct NeighbourReport {
+  Point2 position = Point2::Zero();
+  std::vector<std::pair<std::int32_t, Point2>> neighbours;
+};
+
+/// Mailboxes between robots that count every question.
+class MailboxNetwork {
+ public:
+  explicit MailboxNetwork(std::size_t robots) : boxes_(robots) {}
+  std::size_t size() const { return boxes_.size(); }
+  /// What robot `i` will answer from now on.
+  void publish(std::int32_t i, NeighbourReport report) {
+    boxes_[static_cast<std::size_t>(i)] = std::move(report);
+  }
+  const NeighbourReport& ask(std::int32_t asker, std::int32_t asked) {
+    asked_.emplace(asker, asked);
+    ++questions_;
+    return boxes_[static_cast<std::size_t>(asked)];
+  }
+  /// All (asker, asked) since the record was last cleared.
+  const std::set<std::pair<std::int32_t, std::int32_t>>& record() const { return asked_; }
+  void clear_record() { asked_.clear(); }
+  std::size_t questions() const { return questions_; }
+
+ private:
+  std::vector<NeighbourReport> boxes_;
+  std::set<std::pair<std::int32_t, std::int32_t>> asked_;
+  std::size_t questions_ = 0;
+};
+
+/// Lloyd's algorithm on robots that exchange positions with their Voronoi neighbours alone.
+///
+/// A robot learns of a new neighbour from an old one: the neighbours of its neighbours come with
+/// their answers, and who cuts its cell is asked next. `discover` finds the first neighbours, once,
+/// as robots that are switched on together would. Each round costs O(k) questions for k neighbours.
+class DistributedLloyd {
+ public:
+  DistributedLloyd(Polygon domain, std::vector<Point2> robots)
+      : network(robots.size()),
+        domain_(std::move(domain)),
+        positions_(std::move(robots)),
+        tables_(positions_.size()),
+        cells_(positions_.size()) {
+    require_placed(domain_, positions_);
+    discover();
+  }
+  const std::vector<Point2>& positions() const { return positions_; }
+  const VoronoiCell& cell(std::size_t i) const { return cells_[i]; }
+
+  /// Everybody asks its neighbours where they are and computes its own cell.
+  void exchange() {
+    bool changed = true;
+    for (int round = 0; changed && round < 64; ++round) {
+      publish_all();
+      changed = false;
+      for (std::size_t i = 0; i < positions_.size(); ++i) changed = update(i) || changed;
+    }
+    publish_all();
+  }
+  /// Everybody moves towards its centroid, by `share` of the way; then tables are brought up to
+  /// date.
+  double move(double share = 1.0) {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      const RegionMoments m =
+          region_moments(cells_[i].region, positions_[i], UniformDensity{}, 0.0);
+      const Point2 step = share * (m.centroid() - positions_[i]);
+      largest = std::max(largest, step.norm());
+      positions_[i] += step;
+    }
+    exchange();
+    return largest;
+  }
+
+  MailboxNetwork network;
+
+ private:
+  using Table = std::map<std::int32_t, Point2>;
+
+  void publish_all() {
+    for (std::size_t i = 0; i < positions_.size(); ++i)
+      network.publish(static_cast<std::int32_t>(i),
+                      {positions_[i], {tables_[i].begin(), tables_[i].end()}});
+  }
+  void discover() {
+    const Box2 box = widened();
+    const VoronoiNeighbourSearch search(positions_, box);
+    for (std::size_t i = 0; i < positions_.size(); ++i)
+      for (const auto& b : search.bounds(i))
+        tables_[i][b.other] = positions_[static_cast<std::size_t>(b.other)];
+    exchange();
+  }
+  /// The tables are those of a wide box, so that robots parted by an obstacle or a notch of the
+  /// domain still hear of each other; the cells are those of the domain.
+  Box2 widened() const {
+    Box2 box = domain_.bounds();
+    const Point2 margin = box.sizes();
+    return Box2(box.min() - margin, box.max() + margin);
+  }
+  bool update(std::size_t i) {
+    const auto self = static_cast<std::int32_t>(i);
+    Table known;  // candidates heard of, then what the asked ones said themselves
+    for (const auto& [j, old] : tables_[i])
+      for (const auto& [k, place] : network.ask(self, j).neighbours)
+        if (k != self) known[k] = place;
+    for (const auto& [j, old] : tables_[i]) known[j] = network.ask(self, j).position;
+    const std::vector<std::pair<std::int32_t, Point2>> others(known.begin(), known.end());
+    const Box2 box = widened();
+    const Polygon frame{
+        {box.min(), {box.max().x(), box.min().y()}, box.max(), {box.min().x(), box.max().y()}}, {}};
+    const VoronoiCell open = voronoi_cell(frame, positions_[i], others);
+    Table table;
+    for (const std::int32_t j : open.neighbours) table[j] = known[j];
+    const std::vector<std::pair<std::int32_t, Point2>> near(table.begin(), table.end());
+    cells_[i] = voronoi_cell(domain_, positions_[i], near);
+    const bool same = std::equal(
+        table.begin(), table.end(), tables_[i].begin(), tables_[i].end(),
+        [](const auto& a, const auto& b) { return a.first == b.first && a.second == b.second; });
+    tables_[i] = std::move(table);
+    return !same;
+  }
+
+  Polygon domain_;
+  std::vector<Point2> positions_;
+  std::vector<Table> tables_;
+  std::vector<VoronoiCell> cells_;
+};
+}  // namespace surfleet
