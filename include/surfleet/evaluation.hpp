@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+/// @file  Everything of the room `evaluation`: metrics, statistics, pictures, plots and reports.
+#pragma once
+
+#include <surfleet/evaluation/color_map.hpp>
+#include <surfleet/evaluation/image.hpp>
+#include <surfleet/evaluation/m3c2.hpp>
+#include <surfleet/evaluation/observable_surface.hpp>
+#include <surfleet/evaluation/plot.hpp>
+#include <surfleet/evaluation/published_figures.hpp>
+#include <surfleet/evaluation/rasterizer.hpp>
+#include <surfleet/evaluation/reconstruction_metrics.hpp>
+#include <surfleet/evaluation/report.hpp>
+#include <surfleet/evaluation/statistics.hpp>
+#include <surfleet/evaluation/surface_sampling.hpp>
+#include <surfleet/evaluation/trajectory_io.hpp>

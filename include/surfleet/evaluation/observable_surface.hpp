@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: MIT
+/// @file  The part of a surface that a flying camera could have seen: what coverage is measured
+///        against.
+///
+/// A surface point counts as observable if some position of a cubic lattice exists that
+/// 1. lies in the flight space and keeps the body's radius plus a margin away from every triangle,
+/// 2. is joined to the start by steps between neighbours of the lattice (26 of them), each step
+///    straight and keeping the radius all along,
+/// 3. has the point between the camera's least and greatest depth and inside its image once the
+///    body has turned so that the optical axis faces the point (heading is free, roll and pitch
+///    are zero, the mount is fixed),
+/// 4. meets the surface at no more than the incidence limit,
+/// 5. sees the point: the ray from the camera to it is not blocked.
+/// The lattice makes the answer a lower bound of what a continuum of positions could see; a finer
+/// spacing tightens it. The start joins the lattice through the free nodes next to it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/parallel.hpp>
+#include <surfleet/core/types.hpp>
+#include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/geometry/point_cloud.hpp>
+#include <surfleet/geometry/ray_caster.hpp>
+
+namespace surfleet {
+/// Where a body may be.
+struct FlightSpace {
+  Box3 bounds;                          ///< Of the body's centre; world frame [m].
+  Point3 start = Point3::Zero();        ///< A free position.
+  double radius = 1.0;                  ///< Of the body [m].
+  double margin = 0.0;                  ///< Kept on top of the radius [m].
+  double spacing = 0.5;                 ///< Of the lattice [m].
+  std::size_t max_nodes = 200'000'000;  ///< A lattice larger than this is refused.
+};
+
+/// The free positions of a lattice that can be reached from a start.
+///
+/// Only what the flood reaches is examined. O(reached nodes × log triangles).
+class ReachableLattice {
+ public:
+  /// Throws `Error` on an empty box, lengths that are not positive, a lattice that is too large,
+  /// or a start that is not free.
+  ReachableLattice(const Bvh& obstacles, const FlightSpace& space) : spacing_(space.spacing) {
+    require(!space.bounds.isEmpty() && space.bounds.sizes().allFinite(),
+            "flight space: expected a box with each minimum at most its maximum");
+    require(space.spacing > 0.0 && space.radius > 0.0 && space.margin >= 0.0,
+            "flight space: expected a positive spacing and radius and a margin of 0 or more");
+    const Eigen::Array3d cells = (space.bounds.sizes().array() / spacing_ + 1e-9).floor() + 1.0;
+    if (!(cells.prod() <= static_cast<double>(space.max_nodes)))
+      throw Error("flight space: a lattice of " + std::to_string(cells.prod()) +
+                  " positions; expected a larger spacing or a smaller box");
+    size_ = cells.cast<std::int32_t>().matrix();
+    // Centred in the box, so that both faces are treated alike.
+    origin_ = space.bounds.min() + 0.5 * (space.bounds.sizes() - spacing_ * (cells - 1.0).matrix());
+    reached_.assign(static_cast<std::size_t>(cells.prod()), 0);
+    flood(obstacles, space);
+  }
+
+  double spacing() const { return spacing_; }
+  const Eigen::Vector3i& size() const { return size_; }
+  std::size_t count() const { return count_; }
+  bool contains(const Eigen::Vector3i& n) const {
+    return (n.array() >= 0).all() && (n.array() < size_.array()).all();
+  }
+  bool reached(const Eigen::Vector3i& n) const { return contains(n) && reached_[index(n)] != 0; }
+  Point3 position(const Eigen::Vector3i& n) const { return origin_ + spacing_ * n.cast<double>(); }
+  /// The node nearest to `p`, which may lie outside the lattice.
+  Eigen::Vector3i nearest_node(const Point3& p) const {
+    return ((p - origin_) / spacing_).array().round().cwiseMax(-1e9).cwiseMin(1e9).cast<int>();
+  }
+  std::vector<Point3> positions() const {
+    std::vector<Point3> list;
+    list.reserve(count_);
+    for (std::int32_t z = 0; z < size_.z(); ++z)
+      for (std::int32_t y = 0; y < size_.y(); ++y)
+        for (std::int32_t x = 0; x < size_.x(); ++x)
+          if (reached_[index({x, y, z})] != 0) list.push_back(position({x, y, z}));
+    return list;
+  }
+
+ private:
+  std::size_t index(const Eigen::Vector3i& n) const {
+    return (static_cast<std::size_t>(n.z()) * static_cast<std::size_t>(size_.y()) +
+            static_cast<std::size_t>(n.y())) *
+               static_cast<std::size_t>(size_.x()) +
+           static_cast<std::size_t>(n.x());
+  }
+
+  /// Whether a ball of `radius` can go straight from `a`, with `clear` metres to the nearest
+  /// triangle, to `b`: steps as long as the clearance allows, and never shorter than 1 % of the
+  /// spacing.
+  bool passable(const Bvh& obstacles, const Point3& a, double clear, const Point3& b,
+                double radius) const {
+    const double length = (b - a).norm();
+    double at = 0.0;
+    while (clear >= radius) {
+      at += std::max(clear - radius, 0.01 * spacing_);
+      if (at >= length) return true;
+      clear = clearance(obstacles, a + at / length * (b - a), radius + spacing_);
+    }
+    return false;
+  }
+  /// Distance to the nearest triangle, or `enough` if it is no nearer.
+  static double clearance(const Bvh& obstacles, const Point3& p, double enough) {
+    const auto nearest = obstacles.closest_point(p, enough);
+    return nearest ? nearest->distance : enough;
+  }
+
+  void flood(const Bvh& obstacles, const FlightSpace& space) {
+    const double radius = space.radius + space.margin;
+    const double enough = radius + 2.0 * spacing_;
+    const double at_start = clearance(obstacles, space.start, enough);
+    if (at_start < space.radius)
+      throw Error("start: " + std::to_string(at_start) + " m from the surface; expected " +
+                  std::to_string(space.radius) + " m or more");
+    // A start nearer than radius + margin may still leave; the margin is demanded of the nodes.
+    const double start_radius = std::min(radius, at_start);
+    std::vector<float> clear(reached_.size(), -1.0F);  // −1: not looked at yet
+    std::vector<Eigen::Vector3i> frontier;
+    const auto free = [&](const Eigen::Vector3i& n) {
+      float& c = clear[index(n)];
+      if (c < 0.0F) c = static_cast<float>(clearance(obstacles, position(n), enough));
+      return c >= static_cast<float>(radius);
+    };
+    const auto reach = [&](const Eigen::Vector3i& n) {
+      reached_[index(n)] = 1;
+      ++count_;
+      frontier.push_back(n);
+    };
+    const Eigen::Vector3i seed = nearest_node(space.start);
+    for (int dz = -1; dz <= 1; ++dz)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const Eigen::Vector3i n = seed + Eigen::Vector3i(dx, dy, dz);
+          if (contains(n) && free(n) &&
+              passable(obstacles, space.start, at_start, position(n), start_radius))
+            reach(n);
+        }
+    while (!frontier.empty()) {
+      const Eigen::Vector3i at = frontier.back();
+      frontier.pop_back();
+      const double here = clear[index(at)];
+      for (int dz = -1; dz <= 1; ++dz)
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx) {
+            const Eigen::Vector3i n = at + Eigen::Vector3i(dx, dy, dz);
+            if (!contains(n) || reached_[index(n)] != 0) continue;
+            const double step =
+                spacing_ * std::sqrt(static_cast<double>(dx * dx + dy * dy + dz * dz));
+            if (!free(n)) continue;
+            // Two balls of clearance that overlap enough cover the step between their centres.
+            const double there = clear[index(n)];
+            if (here + there >= 2.0 * radius + step ||
+                passable(obstacles, position(at), here, position(n), radius))
+              reach(n);
+          }
+    }
+  }
+
+  double spacing_;
+  Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
+  Point3 origin_ = Point3::Zero();
+  std::vector<std::uint8_t> reached_;
+  std::size_t count_ = 0;
+};
+
+struct ObservabilityOptions {
+  PinholeCamera camera;
+  Pose T_body_camera = forward_camera_mount();
+  double max_incidence = radians(80.0);  ///< Between the ray and the surface's normal [rad].
+  bool two_sided = true;     ///< Either side of a triangle counts; for soups without orientation.
+  double tolerance = 0.005;  ///< A hit this near before the point does not block it [m].
+  int threads = 1;
+};
+
+/// What could have been seen, and from where.
+struct ObservableSurface {
+  std::vector<std::uint8_t> visible;  ///< One entry a sample.
+  std::vector<Point3> seen_from;      ///< A body position that sees it; undefined where none does.
+  std::size_t visible_count = 0;
+  double fraction() const {
+    return visible.empty()
+               ? 0.0
+               : static_cast<double>(visible_count) / static_cast<double>(visible.size());
+  }
+};
+
+/// Whether the camera on a body at `position`, turned to face it, has `sample` in its image and
+/// range, and where the camera then is. Occlusion is not looked at.
+inline bool in_view_at_best_heading(const Point3& position, const Point3& sample,
+                                    const ObservabilityOptions& options, Point3& camera_position) {
+  const Eigen::Vector3d offset = options.T_body_camera.translation();
+  const Eigen::Vector3d axis = options.T_body_camera.linear().col(2);
+  const Eigen::Vector3d to_sample = sample - position;
+  const double axis_heading = axis.head<2>().norm() > 1e-6 ? std::atan2(axis.y(), axis.x()) : 0.0;
+  const double yaw = std::atan2(to_sample.y(), to_sample.x()) - axis_heading;
+  const Eigen::AngleAxisd turn(yaw, Eigen::Vector3d::UnitZ());
+  camera_position = position + turn * offset;
+  const Point3 p_camera = options.T_body_camera.inverse() * (turn.inverse() * to_sample);
+  return p_camera.z() >= options.camera.min_range && p_camera.z() <= options.camera.max_range &&
+         options.camera.project(p_camera).has_value();
+}
+
+/// Which of `samples` (with normals) the camera could have seen from the lattice; see the head of
+/// this file for what "could" means. Rays are cast by `scene`, the true surface.
+///
+/// Each sample first tries a few dozen positions ordered by their angle to its normal, which
+/// settles most of what is visible, then every node in range, frontal ones first, until one sees
+/// it. O(samples × nodes in range) at worst.
+template <RayCaster Caster>
+ObservableSurface observable_surface(const PointCloud& samples, const Caster& scene,
+                                     const ReachableLattice& lattice,
+                                     const ObservabilityOptions& options) {
+  require(samples.normals.size() == samples.size(),
+          "observable surface: expected samples with normals");
+  require(options.max_incidence > 0.0 && options.max_incidence <= 0.5 * kPi,
+          "observable surface: expected an incidence limit in (0, 90] degrees");
+  const double min_cosine = std::cos(options.max_incidence);
+  const PinholeCamera& camera = options.camera;
+  // The farthest that a point of the image can be from the body.
+  const double corner = camera
+                            .ray(camera.cx > 0.5 * (camera.width - 1) ? -0.5 : camera.width - 0.5,
+                                 camera.cy > 0.5 * (camera.height - 1) ? -0.5 : camera.height - 0.5)
+                            .norm();
+  const double reach = camera.max_range * corner + options.T_body_camera.translation().norm();
+
+  // Directions over the hemisphere, nearest to the pole first, and the offsets of all nodes in
+  // range, shared by all samples.
+  std::vector<Eigen::Vector3d> fan{Eigen::Vector3d::UnitZ()};
+  for (const auto& [angle, count] : {std::pair{0.35, 6}, {0.7, 8}, {1.05, 12}})
+    for (int k = 0; k < count && angle < options.max_incidence; ++k) {
+      const double turn = 2.0 * kPi * k / count;
+      fan.emplace_back(std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn),
+                       std::cos(angle));
+    }
+  const std::array<double, 3> ranges{std::lerp(camera.min_range, camera.max_range, 0.5),
+                                     std::lerp(camera.min_range, camera.max_range, 0.2),
+                                     std::lerp(camera.min_range, camera.max_range, 0.85)};
+  const int shell = static_cast<int>(std::ceil(reach / lattice.spacing())) + 1;
+
+  ObservableSurface result;
+  result.visible.assign(samples.size(), 0);
+  result.seen_from.assign(samples.size(), Point3::Zero());
+  parallel_for(
+      samples.size(), options.threads,
+      [&](std::size_t i) {
+        const Point3& p = samples.points[i];
+        const Eigen::Vector3d normal = samples.normals[i].cast<double>();
+        // True also of positions behind the surface if both sides count.
+        const auto facing = [&](const Eigen::Vector3d& to_camera) {
+          const double along = to_camera.dot(normal);
+          return (options.two_sided ? std::abs(along) : along) >= min_cosine * to_camera.norm();
+        };
+        const auto sees = [&](const Point3& q) {
+          Point3 eye;
+          if (!in_view_at_best_heading(q, p, options, eye)) return false;
+          const Eigen::Vector3d ray = p - eye;
+          const double length = ray.norm();
+          if (length < 1e-9 || !facing(-ray)) return false;
+          return !scene.cast(eye, ray / length, length - options.tolerance).has_value();
+        };
+        const auto settle = [&](const Point3& q) {
+          result.visible[i] = 1;
+          result.seen_from[i] = q;
+        };
+        for (const double side : {1.0, -1.0}) {
+          if (side < 0.0 && !options.two_sided) break;
+          const Eigen::Matrix3d frame =
+              Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), side * normal)
+                  .toRotationMatrix();
+          for (const Eigen::Vector3d& d : fan)
+            for (const double range : ranges) {
+              const Eigen::Vector3i node = lattice.nearest_node(p + range * (frame * d));
+              if (lattice.reached(node) && sees(lattice.position(node)))
+                return settle(lattice.position(node));
+            }
+        }
+        std::vector<std::pair<float, Point3>> candidates;
+        const Eigen::Vector3i centre = lattice.nearest_node(p);
+        const Eigen::Vector3i low = (centre.array() - shell).max(0);
+        const Eigen::Vector3i high = (centre.array() + shell).min(lattice.size().array() - 1);
+        for (int z = low.z(); z <= high.z(); ++z)
+          for (int y = low.y(); y <= high.y(); ++y)
+            for (int x = low.x(); x <= high.x(); ++x) {
+              const Eigen::Vector3i node(x, y, z);
+              if (!lattice.reached(node)) continue;
+              const Point3 q = lattice.position(node);
+              Point3 eye;
+              if ((q - p).squaredNorm() > reach * reach ||
+                  !in_view_at_best_heading(q, p, options, eye) || !facing(eye - p))
+                continue;
+              const Eigen::Vector3d ray = (eye - p).normalized();
+              candidates.emplace_back(static_cast<float>(-std::abs(ray.dot(normal))), q);
+            }
+        std::stable_sort(candidates.begin(), candidates.end(),
+                         [](const auto& a, const auto& b) { return a.first < b.first; });
+        for (const auto& [unused, q] : candidates)
+          if (sees(q)) return settle(q);
+      },
+      64);
+  result.visible_count = static_cast<std::size_t>(
+      std::count(result.visible.begin(), result.visible.end(), std::uint8_t{1}));
+  return result;
+}
+}  // namespace surfleet

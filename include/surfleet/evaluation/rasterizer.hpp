@@ -1,0 +1,481 @@
+// SPDX-License-Identifier: MIT
+/// @file  A small software renderer: shaded meshes with shadows, paths and points, as pictures.
+///
+/// @code
+/// Rasterizer picture(frame_box(mesh.bounds(), radians(35), radians(25), 1600, 1000));
+/// picture.draw(mesh);
+/// picture.draw_polyline(path, categorical_color(0));
+/// write_png("view.png", picture.image());
+/// @endcode
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/types.hpp>
+#include <surfleet/evaluation/color_map.hpp>
+#include <surfleet/evaluation/image.hpp>
+#include <surfleet/geometry/triangle_mesh.hpp>
+
+namespace surfleet {
+/// Where a picture is taken from.
+struct RenderView {
+  Point3 eye{10.0, 0.0, 5.0};
+  Point3 target = Point3::Zero();
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  double vertical_fov = radians(35.0);  ///< Perspective; ignored when orthographic.
+  double orthographic_height = 0.0;     ///< Height of the view [m]; positive: orthographic.
+  int width = 1280, height = 800;       ///< [px]
+};
+
+/// A view of the whole `box` from the direction with the given azimuth (about +z from +x) and
+/// elevation [rad]; `orthographic` for plans and elevations.
+inline RenderView frame_box(const Box3& box, double azimuth, double elevation, int width,
+                            int height, bool orthographic = false) {
+  RenderView view;
+  view.width = width;
+  view.height = height;
+  if (box.isEmpty()) return view;
+  const Eigen::Vector3d back(std::cos(azimuth) * std::cos(elevation),
+                             std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
+  const Eigen::Vector3d right(-std::sin(azimuth), std::cos(azimuth), 0.0);
+  const Eigen::Vector3d up = back.cross(right);
+  const double tangent_y = std::tan(0.5 * view.vertical_fov);
+  const double tangent_x = tangent_y * width / height;
+  view.up = up;
+  // Silhouette of the eight corners: the least distance at which all are in view, then centred.
+  Eigen::Vector3d centre = box.center();
+  double distance = 1e-3, half_x = 1e-6, half_y = 1e-6;
+  for (int round = 0; round < 8; ++round) {
+    distance = 1e-3;
+    for (int k = 0; k < 8; ++k) {
+      const Eigen::Vector3d v = box.corner(static_cast<Box3::CornerType>(k)) - centre;
+      distance = std::max({distance, v.dot(back) + std::abs(v.dot(right)) / tangent_x,
+                           v.dot(back) + std::abs(v.dot(up)) / tangent_y});
+    }
+    double low_x = 1e300, high_x = -1e300, low_y = 1e300, high_y = -1e300;
+    half_x = half_y = 1e-6;
+    for (int k = 0; k < 8; ++k) {
+      const Eigen::Vector3d v = box.corner(static_cast<Box3::CornerType>(k)) - centre;
+      const double depth = orthographic ? distance : distance - v.dot(back);
+      low_x = std::min(low_x, v.dot(right) / depth);
+      high_x = std::max(high_x, v.dot(right) / depth);
+      low_y = std::min(low_y, v.dot(up) / depth);
+      high_y = std::max(high_y, v.dot(up) / depth);
+      half_x = std::max(half_x, std::abs(v.dot(right)));
+      half_y = std::max(half_y, std::abs(v.dot(up)));
+    }
+    centre += 0.5 * distance * ((low_x + high_x) * right + (low_y + high_y) * up);
+  }
+  constexpr double kMargin = 1.05;
+  view.target = centre;
+  view.eye = centre + kMargin * distance * back;
+  if (orthographic) {
+    view.orthographic_height = 2.0 * kMargin * std::max(half_y, half_x * height / width);
+    view.eye = centre + 2.0 * (box.sizes().norm() + 1.0) * back;
+  }
+  return view;
+}
+
+struct MeshStyle {
+  Rgb color{196, 200, 206};  ///< Where the mesh has no colours of its own.
+  bool use_vertex_colors = true;
+  bool smooth = true;  ///< Vertex normals where the mesh has them.
+  double light = 1.0;  ///< Strength of the shading: 0 shows plain colours.
+};
+
+struct RenderStyle {
+  Rgb background_top{236, 240, 245}, background_bottom{250, 251, 252};
+  Eigen::Vector3d to_light{0.45, -0.6, 1.0};  ///< World frame; need not be of unit length.
+  bool shadows = true;
+  double occlusion = 0.9;        ///< Strength of the darkening of corners and edges.
+  double hidden_opacity = 0.28;  ///< Of lines and points behind a surface.
+  int supersampling = 2;         ///< Samples a pixel in each direction, 1 to 4.
+};
+
+/// Draws into a z-buffer; `image()` shades it. Order of drawing does not matter.
+///
+/// Surfaces are lit by a sun with a shadow map, by the sky, and darkened near creases by the depth
+/// around them. Lines and points lie above the surfaces they touch; behind surfaces they show
+/// faintly. O(triangles + covered pixels).
+class Rasterizer {
+ public:
+  explicit Rasterizer(const RenderView& view, const RenderStyle& style = {})
+      : view_(view), style_(style), scale_(std::clamp(style.supersampling, 1, 4)) {
+    require(view.width > 0 && view.height > 0 && view.width <= 8192 && view.height <= 8192,
+            "picture size: expected 1 to 8192 pixels a side");
+    camera_ = Frame(view, view.width * scale_, view.height * scale_);
+    const std::size_t n = camera_.pixels();
+    depth_.assign(n, kFar);
+    surface_.assign(n, Fragment{});
+    overlay_depth_.assign(n, kFar);
+    overlay_.assign(n, Rgb{});
+  }
+
+  void draw(const TriangleMesh& mesh, const MeshStyle& style = {}) {
+    const bool colored = style.use_vertex_colors && mesh.colors.size() == mesh.vertices.size();
+    const bool smooth = style.smooth && mesh.normals.size() == mesh.vertices.size();
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const Eigen::Vector3d doubled = mesh.area_vector(t);
+      if (!(doubled.squaredNorm() > 0.0)) continue;
+      const Eigen::Vector3f flat = doubled.normalized().cast<float>();
+      std::array<Corner, 3> corners;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto v = static_cast<std::size_t>(mesh.triangles[t][k]);
+        corners[k].world = mesh.vertices[v];
+        const Rgb c = colored ? mesh.colors[v] : style.color;
+        corners[k].color = Eigen::Vector3f(c[0], c[1], c[2]);
+        corners[k].normal =
+            smooth && mesh.normals[v].squaredNorm() > 0.25F ? mesh.normals[v] : flat;
+      }
+      world_.extend(corners[0].world).extend(corners[1].world).extend(corners[2].world);
+      if (style_.shadows)
+        shadow_casters_.push_back({corners[0].world, corners[1].world, corners[2].world});
+      fill(camera_, corners, [&](std::size_t i, double z, const Eigen::Vector3d& w) {
+        if (z >= depth_[i]) return;
+        depth_[i] = static_cast<float>(z);
+        Eigen::Vector3f color = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();
+        for (std::size_t k = 0; k < 3; ++k) {
+          color += static_cast<float>(w[static_cast<int>(k)]) * corners[k].color;
+          normal += static_cast<float>(w[static_cast<int>(k)]) * corners[k].normal;
+        }
+        surface_[i] = {
+            normal.normalized(),
+            {detail::to_byte(color[0] / 255.0), detail::to_byte(color[1] / 255.0),
+             detail::to_byte(color[2] / 255.0)},
+            static_cast<std::uint8_t>(std::lround(200.0 * std::clamp(style.light, 0.0, 1.0)))};
+      });
+    }
+  }
+
+  /// A line through `points`, `width_px` pixels wide.
+  void draw_polyline(std::span<const Point3> points, Rgb color, double width_px = 3.0) {
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      Point3 a = camera_.to_camera(points[i - 1]), b = camera_.to_camera(points[i]);
+      if (!camera_.clip_near(a, b)) continue;
+      stamp(camera_.project(a), camera_.project(b), 0.5 * width_px * scale_, color);
+    }
+  }
+  /// Discs, `diameter_px` pixels wide.
+  void draw_points(std::span<const Point3> points, Rgb color, double diameter_px = 8.0) {
+    for (const Point3& p : points) {
+      const Point3 c = camera_.to_camera(p);
+      if (camera_.in_front(c)) {
+        const Point3 px = camera_.project(c);
+        stamp(px, px, 0.5 * diameter_px * scale_, color);
+      }
+    }
+  }
+
+  Image image() const {
+    const int w = camera_.width, h = camera_.height;
+    const ShadowMap shadow = style_.shadows ? make_shadow_map() : ShadowMap{};
+    const std::vector<float> corners = corner_darkness();
+    const Eigen::Vector3d to_light = style_.to_light.normalized();
+    std::vector<Eigen::Vector3f> linear(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+    std::array<float, 256> decode{};
+    for (std::size_t i = 0; i < 256; ++i)
+      decode[i] = static_cast<float>(srgb_to_linear(static_cast<double>(i) / 255.0));
+    const auto to_linear = [&](Rgb c) {
+      return Eigen::Vector3f(decode[c[0]], decode[c[1]], decode[c[2]]);
+    };
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        const std::size_t i = camera_.index(x, y);
+        const float f = static_cast<float>(y) / static_cast<float>(std::max(h - 1, 1));
+        Eigen::Vector3f color =
+            (1.0F - f) * to_linear(style_.background_top) + f * to_linear(style_.background_bottom);
+        if (depth_[i] < kFar) {
+          const Fragment& s = surface_[i];
+          const Point3 world = camera_.to_world(x, y, depth_[i]);
+          Eigen::Vector3d n = s.normal.cast<double>();
+          const Eigen::Vector3d to_eye =
+              camera_.orthographic ? (-camera_.forward).eval() : (camera_.eye - world).eval();
+          if (n.dot(to_eye) < 0.0) n = -n;
+          const double lit = std::max(0.0, n.dot(to_light)) * shadow.light_at(world, n);
+          const double sky = 0.5 + 0.5 * n.z();
+          const Eigen::Vector3d light = 1.0 * lit * Eigen::Vector3d(1.0, 0.97, 0.91) +
+                                        (0.22 + 0.30 * sky) * Eigen::Vector3d(0.90, 0.96, 1.06);
+          const double strength = s.light / 200.0;
+          const Eigen::Vector3d shaded =
+              light * (1.0 - style_.occlusion * static_cast<double>(corners[i]));
+          color = to_linear(s.color).cwiseProduct(
+              (shaded * strength + Eigen::Vector3d::Constant(1.0 - strength)).cast<float>());
+        }
+        if (overlay_depth_[i] < kFar) {
+          const float bias = 0.004F * overlay_depth_[i] + 0.02F;
+          const float opacity = overlay_depth_[i] <= depth_[i] + bias
+                                    ? 1.0F
+                                    : static_cast<float>(style_.hidden_opacity);
+          color = (1.0F - opacity) * color + opacity * to_linear(overlay_[i]);
+        }
+        linear[i] = color;
+      }
+    Image picture(view_.width, view_.height);
+    const float share = 1.0F / static_cast<float>(scale_ * scale_);
+    for (int y = 0; y < view_.height; ++y)
+      for (int x = 0; x < view_.width; ++x) {
+        Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+        for (int v = 0; v < scale_; ++v)
+          for (int u = 0; u < scale_; ++u)
+            sum += linear[camera_.index(x * scale_ + u, y * scale_ + v)].cwiseMin(1.0F);
+        sum *= share;
+        picture.set(
+            x, y,
+            {detail::to_byte(linear_to_srgb(sum[0])), detail::to_byte(linear_to_srgb(sum[1])),
+             detail::to_byte(linear_to_srgb(sum[2]))});
+      }
+    return picture;
+  }
+
+ private:
+  static constexpr float kFar = std::numeric_limits<float>::infinity();
+
+  struct Corner {
+    Point3 world;
+    Eigen::Vector3f normal, color;
+  };
+  struct Fragment {
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+    Rgb color{};
+    std::uint8_t light = 0;
+  };
+
+  /// A view's coordinates: camera x right, y down, z forward; pixels with centres at integers.
+  struct Frame {
+    Frame() = default;
+    Frame(const RenderView& view, int w, int h) : width(w), height(h), eye(view.eye) {
+      forward = (view.target - view.eye).stableNormalized();
+      if (!(forward.squaredNorm() > 0.5)) forward = Eigen::Vector3d::UnitX();
+      right = forward.cross(view.up);
+      if (right.norm() < 1e-9) right = forward.cross(Eigen::Vector3d::UnitY());
+      if (right.norm() < 1e-9) right = forward.cross(Eigen::Vector3d::UnitX());
+      right.normalize();
+      down = forward.cross(right);
+      orthographic = view.orthographic_height > 0.0;
+      focal =
+          orthographic ? h / view.orthographic_height : 0.5 * h / std::tan(0.5 * view.vertical_fov);
+      near = orthographic ? -1e9 : 1e-3 * std::max(1.0, (view.target - view.eye).norm());
+    }
+    int width = 0, height = 0;
+    Point3 eye = Point3::Zero();
+    Eigen::Vector3d forward, right, down;
+    bool orthographic = false;
+    double focal = 1.0, near = 0.0;
+
+    std::size_t pixels() const {
+      return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    }
+    std::size_t index(int x, int y) const {
+      return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+             static_cast<std::size_t>(x);
+    }
+    Point3 to_camera(const Point3& p) const {
+      const Eigen::Vector3d v = p - eye;
+      return {v.dot(right), v.dot(down), v.dot(forward)};
+    }
+    bool in_front(const Point3& c) const { return c.z() >= near; }
+    /// Pixel and depth.
+    Point3 project(const Point3& c) const {
+      const double s = orthographic ? focal : focal / c.z();
+      return {s * c.x() + 0.5 * (width - 1), s * c.y() + 0.5 * (height - 1), c.z()};
+    }
+    Point3 to_world(double x, double y, double z) const {
+      const double s = orthographic ? 1.0 / focal : z / focal;
+      return eye + (x - 0.5 * (width - 1)) * s * right + (y - 0.5 * (height - 1)) * s * down +
+             z * forward;
+    }
+    bool clip_near(Point3& a, Point3& b) const {
+      if (in_front(a) && in_front(b)) return true;
+      if (!in_front(a) && !in_front(b)) return false;
+      const Point3 cut = a + (near - a.z()) / (b.z() - a.z()) * (b - a);
+      (in_front(a) ? b : a) = cut;
+      return true;
+    }
+  };
+
+  /// Calls `put(pixel, depth, weights of the three corners)` for the pixels of a triangle, cut at
+  /// the near plane.
+  template <typename Put>
+  static void fill(const Frame& frame, const std::array<Corner, 3>& corners, Put&& put) {
+    std::array<Point3, 3> c;
+    for (std::size_t k = 0; k < 3; ++k) c[k] = frame.to_camera(corners[k].world);
+    // Cut polygon: points of the camera frame with their weights in the whole triangle.
+    std::array<std::pair<Point3, Eigen::Vector3d>, 4> cut;
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t m = (k + 1) % 3;
+      const bool here = frame.in_front(c[k]), there = frame.in_front(c[m]);
+      const auto unit = [](std::size_t i) {
+        return Eigen::Vector3d::Unit(static_cast<Eigen::Index>(i)).eval();
+      };
+      if (here) cut[n++] = {c[k], unit(k)};
+      if (here != there) {
+        const double f = (frame.near - c[k].z()) / (c[m].z() - c[k].z());
+        cut[n++] = {c[k] + f * (c[m] - c[k]), (1.0 - f) * unit(k) + f * unit(m)};
+      }
+    }
+    for (std::size_t k = 2; k < n; ++k) fill_front(frame, cut[0], cut[k - 1], cut[k], put);
+  }
+  template <typename Vertex, typename Put>
+  static void fill_front(const Frame& frame, const Vertex& va, const Vertex& vb, const Vertex& vc,
+                         Put&& put) {
+    const Point3 a = frame.project(va.first), b = frame.project(vb.first),
+                 c = frame.project(vc.first);
+    const double area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+    if (!(std::abs(area) > 1e-12)) return;
+    const auto whole = [](double v, double low, double high) {
+      return static_cast<int>(std::clamp(v, low, high));
+    };
+    const int x0 = whole(std::ceil(std::min({a.x(), b.x(), c.x()})), 0.0, frame.width);
+    const int x1 = whole(std::floor(std::max({a.x(), b.x(), c.x()})), -1.0, frame.width - 1);
+    const int y0 = whole(std::ceil(std::min({a.y(), b.y(), c.y()})), 0.0, frame.height);
+    const int y1 = whole(std::floor(std::max({a.y(), b.y(), c.y()})), -1.0, frame.height - 1);
+    // Perspective: what is linear on the screen is 1/z and weight/z.
+    const auto q = [&](const Point3& p) { return frame.orthographic ? 1.0 : 1.0 / p.z(); };
+    const double qa = q(a), qb = q(b), qc = q(c);
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x) {
+        const double wa = ((b.x() - x) * (c.y() - y) - (b.y() - y) * (c.x() - x)) / area;
+        const double wb = ((c.x() - x) * (a.y() - y) - (c.y() - y) * (a.x() - x)) / area;
+        const double wc = 1.0 - wa - wb;
+        if (wa < -1e-9 || wb < -1e-9 || wc < -1e-9) continue;
+        const double sum = wa * qa + wb * qb + wc * qc;
+        const double ua = wa * qa / sum, ub = wb * qb / sum, uc = wc * qc / sum;
+        put(frame.index(x, y), ua * a.z() + ub * b.z() + uc * c.z(),
+            (ua * va.second + ub * vb.second + uc * vc.second).eval());
+      }
+  }
+
+  /// A stroke with round ends from `a` to `b` (pixels, depth).
+  void stamp(const Point3& a, const Point3& b, double radius, Rgb color) {
+    const auto whole = [](double v, double high) {
+      return static_cast<int>(std::clamp(v, -1.0, high));
+    };
+    const int x0 = std::max(0, whole(std::min(a.x(), b.x()) - radius, camera_.width));
+    const int x1 = whole(std::max(a.x(), b.x()) + radius, camera_.width - 1);
+    const int y0 = std::max(0, whole(std::min(a.y(), b.y()) - radius, camera_.height));
+    const int y1 = whole(std::max(a.y(), b.y()) + radius, camera_.height - 1);
+    const Eigen::Vector2d d = (b - a).head<2>();
+    const double length2 = d.squaredNorm();
+    for (int y = y0; y <= y1; ++y) {
+      for (int x = x0; x <= x1; ++x) {
+        const Eigen::Vector2d p(x - a.x(), y - a.y());
+        const double f = length2 > 1e-12 ? std::clamp(p.dot(d) / length2, 0.0, 1.0) : 0.0;
+        if ((p - f * d).squaredNorm() > radius * radius) continue;
+        const double z = camera_.orthographic ? std::lerp(a.z(), b.z(), f)
+                                              : 1.0 / std::lerp(1.0 / a.z(), 1.0 / b.z(), f);
+        const std::size_t i = camera_.index(x, y);
+        if (z >= overlay_depth_[i]) continue;
+        overlay_depth_[i] = static_cast<float>(z);
+        overlay_[i] = color;
+      }
+    }
+  }
+
+  struct ShadowMap {
+    Frame frame;
+    std::vector<float> depth;
+    double texel = 0.0;
+    /// Share of the light that arrives, softened over neighbouring texels.
+    double light_at(const Point3& world, const Eigen::Vector3d& normal) const {
+      if (depth.empty()) return 1.0;
+      const Point3 p = frame.project(frame.to_camera(world + 2.0 * texel * normal));
+      const int cx = static_cast<int>(std::lround(p.x())),
+                cy = static_cast<int>(std::lround(p.y()));
+      double lit = 0.0, weight = 0.0;
+      for (int y = cy - 2; y <= cy + 2; ++y)
+        for (int x = cx - 2; x <= cx + 2; ++x) {
+          if (x < 0 || y < 0 || x >= frame.width || y >= frame.height) continue;
+          weight += 1.0;
+          if (depth[frame.index(x, y)] >= p.z() - 1.5 * texel) lit += 1.0;
+        }
+      return weight > 0.0 ? lit / weight : 1.0;
+    }
+  };
+  ShadowMap make_shadow_map() const {
+    ShadowMap map;
+    if (world_.isEmpty()) return map;
+    constexpr int kSide = 2048;
+    const Eigen::Vector3d to_light = style_.to_light.normalized();
+    RenderView view;
+    view.target = world_.center();
+    view.orthographic_height = world_.sizes().norm() * 1.01 + 1e-6;
+    view.eye = view.target + 2.0 * view.orthographic_height * to_light;
+    map.frame = Frame(view, kSide, kSide);
+    map.texel = view.orthographic_height / kSide;
+    map.depth.assign(map.frame.pixels(), kFar);
+    for (const auto& [a, b, c] : shadow_casters_) {
+      std::array<Corner, 3> corners;
+      corners[0].world = a;
+      corners[1].world = b;
+      corners[2].world = c;
+      fill(map.frame, corners, [&](std::size_t i, double z, const Eigen::Vector3d&) {
+        map.depth[i] = std::min(map.depth[i], static_cast<float>(z));
+      });
+    }
+    return map;
+  }
+
+  /// How much each pixel of a surface lies below its surroundings on the screen, in [0, 1]: rings
+  /// of neighbours that are nearer to the camera than the surface's own plane would be.
+  std::vector<float> corner_darkness() const {
+    const int w = camera_.width, h = camera_.height;
+    std::vector<float> darkness(depth_.size(), 0.0F);
+    if (!(style_.occlusion > 0.0)) return darkness;
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        const std::size_t i = camera_.index(x, y);
+        if (!(depth_[i] < kFar)) continue;
+        const Point3 p = camera_.to_world(x, y, depth_[i]);
+        Eigen::Vector3d n = surface_[i].normal.cast<double>();
+        if (n.dot(camera_.orthographic ? (-camera_.forward).eval() : (camera_.eye - p).eval()) <
+            0.0)
+          n = -n;
+        double sum = 0.0;
+        int count = 0;
+        // A spiral turned from pixel to pixel, so that its pattern averages out.
+        const double start =
+            2.0 * kPi *
+            std::fmod(52.9829189 * std::fmod(0.06711056 * x + 0.00583715 * y, 1.0), 1.0);
+        constexpr int kTaps = 12;
+        for (int k = 0; k < kTaps; ++k) {
+          const double radius = 0.035 * h * std::sqrt((k + 0.5) / kTaps);
+          const double angle = start + 2.39996323 * k;
+          const int u = x + static_cast<int>(std::lround(radius * std::cos(angle)));
+          const int v = y + static_cast<int>(std::lround(radius * std::sin(angle)));
+          if (u < 0 || v < 0 || u >= w || v >= h) continue;
+          ++count;
+          const std::size_t j = camera_.index(u, v);
+          if (!(depth_[j] < kFar)) continue;
+          const Eigen::Vector3d d = camera_.to_world(u, v, depth_[j]) - p;
+          const double size = radius * (camera_.orthographic ? 1.0 : depth_[i]) / camera_.focal;
+          const double distance = d.norm();
+          const double above = d.dot(n) / std::max(distance, 1e-9);
+          // What is much nearer to the camera is another thing and does not shade.
+          const double fade = std::clamp(2.0 - distance / (2.5 * size), 0.0, 1.0);
+          sum += std::max(0.0, above - 0.08) * fade;
+        }
+        if (count > 0) darkness[i] = static_cast<float>(std::min(1.0, 1.1 * sum / count));
+      }
+    return darkness;
+  }
+
+  RenderView view_;
+  RenderStyle style_;
+  int scale_ = 1;
+  Frame camera_;
+  Box3 world_;
+  std::vector<std::array<Point3, 3>> shadow_casters_;
+  std::vector<float> depth_, overlay_depth_;
+  std::vector<Fragment> surface_;
+  std::vector<Rgb> overlay_;
+};
+}  // namespace surfleet
