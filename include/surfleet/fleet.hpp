@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+/// @file  Everything of the fleet room: planners and the missions that run them.
+#pragma once
+
+#include <surfleet/fleet/coverage_tour.hpp>
+#include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/fleet/look_ledger.hpp>
+#include <surfleet/fleet/mission.hpp>
+#include <surfleet/fleet/plan.hpp>
+#include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/fleet/teammate_mask.hpp>
+#include <surfleet/fleet/tour_planner.hpp>

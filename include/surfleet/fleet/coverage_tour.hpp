@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: MIT
+/// @file  The coverage tour of a known mesh: a short flight from which a camera sees its surface.
+///
+///     KnownSurface surface{samples, normals, areas};
+///     const CoverageTour tour = plan_coverage_tour(surface, caster, free_space, roadmap, camera,
+///                                                  start, {.coverage = 0.95});
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <queue>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <surfleet/allocation/lin_kernighan.hpp>
+#include <surfleet/core/error.hpp>
+#include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/motion/lazy_prm.hpp>
+
+namespace surfleet {
+/// Samples of a surface; three arrays of one length.
+struct KnownSurface {
+  std::span<const Point3> points;           ///< [m]
+  std::span<const Eigen::Vector3d> normals; ///< Unit, towards where it is seen from.
+  std::span<const double> areas;            ///< What each stands for [m²].
+};
+
+struct CoverageTourOptions {
+  double coverage = 0.95;        ///< Share to be seen of what can be seen.
+  double spacing = 1.5;          ///< Of the lattice of candidate positions [m].
+  double stop_cost = 1.0;        ///< Added to a viewpoint's insertion, so that few are taken [m].
+  double max_incidence = 1.4;    ///< Greatest angle between the normal and the line of sight [rad].
+  double max_distance = 0.0;     ///< Farthest look that counts [m]; 0: the camera's range.
+  double image_spacing = 1.0;    ///< Between the looks on the way [m].
+  int rounds = 3;                ///< Of dropping, re-inserting and re-ordering.
+};
+
+struct CoverageTour {
+  std::vector<Configuration> viewpoints;  ///< In the order of the visit, without the start.
+  std::vector<Point3> path;               ///< The whole flight, the start first.
+  double length = 0.0;                    ///< Of `path` [m].
+  double seen_area = 0.0;                 ///< [m²]
+  double reachable_area = 0.0;            ///< What the candidates together can see [m²].
+  double coverage() const { return reachable_area > 0.0 ? seen_area / reachable_area : 1.0; }
+};
+
+namespace detail {
+/// Plans a coverage tour; see `plan_coverage_tour`.
+template <RayCaster Caster>
+class CoverageTourPlanner {
+ public:
+  CoverageTourPlanner(const KnownSurface& surface, const Caster& caster, const FreeSpace& space,
+                      LazyPrmStar& roadmap, const PinholeCamera& camera,
+                      const Pose& T_body_camera, const Configuration& start,
+                      const CoverageTourOptions& options)
+      : surface_(surface), caster_(caster), space_(space), roadmap_(roadmap), camera_(camera),
+        start_(start), options_(options) {
+    const double range = options.max_distance > 0.0 ? options.max_distance : camera.max_range;
+    range_ = std::min(range, camera.max_range * 1.8);
+    for (int k = 0; k < kHeadings; ++k)
+      T_camera_body_[static_cast<std::size_t>(k)] =
+          (Pose(Eigen::AngleAxisd(heading_angle(k), Eigen::Vector3d::UnitZ())) * T_body_camera)
+              .inverse();
+    sort_samples();
+  }
+
+  CoverageTour plan() {
+    find_candidates();
+    CoverageTour tour;
+    for (std::size_t i = 0; i < surface_.points.size(); ++i)
+      if (reachable_[i] != 0) tour.reachable_area += surface_.areas[i];
+    goal_ = options_.coverage * tour.reachable_area;
+    grow();
+    for (int round = 0; round < options_.rounds; ++round) {
+      improve_order();
+      drop_useless();
+      grow();
+    }
+    improve_order();
+    drop_useless();
+    fly(tour);
+    return tour;
+  }
+
+ private:
+  struct Candidate {
+    Point3 position;
+    int heading = 0;
+    std::vector<std::int32_t> seen;
+  };
+
+  void sort_samples() {
+    order_.resize(surface_.points.size());
+    for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<std::int32_t>(i);
+    std::vector<std::int64_t> keys(order_.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = pack(cell_of(surface_.points[i]));
+    std::sort(order_.begin(), order_.end(), [&](std::int32_t a, std::int32_t b) {
+      const auto ka = keys[static_cast<std::size_t>(a)], kb = keys[static_cast<std::size_t>(b)];
+      return ka != kb ? ka < kb : a < b;
+    });
+    for (const std::int32_t i : order_) packed_.push_back(keys[static_cast<std::size_t>(i)]);
+  }
+  VoxelIndex cell_of(const Point3& p) const { return (p / range_).array().floor().cast<int>(); }
+  static std::int64_t pack(const VoxelIndex& c) {
+    constexpr std::int64_t bias = 1 << 20;
+    return ((c.z() + bias) << 42) + ((c.y() + bias) << 21) + (c.x() + bias);
+  }
+
+  /// The samples in view from a place, with the headings (bits) from which they are.
+  std::vector<Sighting> seen_from(const Point3& p) const {
+    std::vector<Sighting> seen;
+    const VoxelIndex c = cell_of(p);
+    const double min_cosine = std::cos(options_.max_incidence);
+    for (int z = -1; z <= 1; ++z)
+      for (int y = -1; y <= 1; ++y) {
+        const auto low =
+            std::lower_bound(packed_.begin(), packed_.end(), pack(c + VoxelIndex(-1, y, z)));
+        const auto high = std::upper_bound(low, packed_.end(), pack(c + VoxelIndex(1, y, z)));
+        for (auto it = low; it != high; ++it) {
+          const std::int32_t id = order_[static_cast<std::size_t>(it - packed_.begin())];
+          const auto i = static_cast<std::size_t>(id);
+          const Eigen::Vector3d d = surface_.points[i] - p;
+          const double distance = d.norm();
+          if (distance > range_ || distance < camera_.min_range ||
+              -d.dot(surface_.normals[i]) < distance * min_cosine)
+            continue;
+          std::uint16_t headings = 0;
+          for (std::size_t k = 0; k < kHeadings; ++k) {
+            const Point3 q = T_camera_body_[k] * d;
+            if (q.z() >= camera_.min_range && q.z() <= camera_.max_range && camera_.project(q))
+              headings = static_cast<std::uint16_t>(headings | (1U << k));
+          }
+          if (headings == 0) continue;
+          const auto hit = caster_.cast(p, d / distance, distance - 1e-3);
+          if (!hit) seen.push_back({id, headings});
+        }
+      }
+    std::sort(seen.begin(), seen.end(),
+              [](const Sighting& a, const Sighting& b) { return a.target < b.target; });
+    return seen;
+  }
+
+  void find_candidates() {
+    reachable_.assign(surface_.points.size(), 0);
+    const FlightLattice<FreeSpace> lattice(space_, space_.options().bounds, options_.spacing);
+    lattice.search(start_.position, [&](const auto& site) {
+      const std::vector<Sighting> seen = seen_from(site.position);
+      for (const Sighting& s : seen) reachable_[static_cast<std::size_t>(s.target)] = 1;
+      for (int k = 0; k < kHeadings && !seen.empty(); ++k) {
+        Candidate c{site.position, k, {}};
+        for (const Sighting& s : seen)
+          if ((s.headings >> k & 1U) != 0U) c.seen.push_back(s.target);
+        if (!c.seen.empty()) candidates_.push_back(std::move(c));
+      }
+      return true;
+    });
+  }
+
+  /// Samples seen from the stops and on the way, as counts; the total area seen.
+  double count_seen() {
+    count_.assign(surface_.points.size(), 0);
+    for (const std::size_t s : stops_)
+      for (const std::int32_t i : candidates_[s].seen) ++count_[static_cast<std::size_t>(i)];
+    double area = 0.0;
+    for (std::size_t i = 0; i < count_.size(); ++i)
+      if (count_[i] > 0 || en_route_[i] != 0) area += surface_.areas[i];
+    return area;
+  }
+
+  const Point3& place(std::size_t k) const {  // 0 is the start
+    return k == 0 ? start_.position : candidates_[stops_[k - 1]].position;
+  }
+  double distance(const Point3& a, const Point3& b) {
+    if (space_.is_free_segment(a, b)) return (b - a).norm();
+    const auto path = roadmap_.query(a, b);
+    return path ? path->length : 1e6;
+  }
+
+  /// Adds the viewpoint of most new area per inserted metre until the goal is met. A straight line
+  /// bounds an insertion from below, so roadmap lengths are asked for the promising alone.
+  void grow() {
+    if (en_route_.empty()) en_route_.assign(surface_.points.size(), 0);
+    double seen = count_seen();
+    std::vector<double> value(candidates_.size());
+    std::vector<double> legs;
+    const auto refresh_legs = [&] {
+      legs.assign(stops_.size(), 0.0);
+      for (std::size_t k = 0; k < stops_.size(); ++k) legs[k] = distance(place(k), place(k + 1));
+    };
+    refresh_legs();
+    while (seen < goal_) {
+      // Lazy greedy: gains only shrink, so an old value bounds the new one.
+      double best_rate = 0.0;
+      std::size_t best = candidates_.size(), best_at = 0;
+      for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        double gain = 0.0;
+        for (const std::int32_t i : candidates_[c].seen) {
+          const auto s = static_cast<std::size_t>(i);
+          if (count_[s] == 0 && en_route_[s] == 0) gain += surface_.areas[s];
+        }
+        value[c] = gain;
+        if (gain <= 0.0 || gain / options_.stop_cost <= best_rate) continue;
+        // The cheapest place, first by straight lines.
+        const Point3& p = candidates_[c].position;
+        double cheapest = std::numeric_limits<double>::infinity();
+        std::size_t at = 0;
+        for (std::size_t k = 0; k <= stops_.size(); ++k) {
+          double extra = (p - place(k)).norm();
+          if (k < stops_.size()) extra += (place(k + 1) - p).norm() - legs[k];
+          if (extra < cheapest) {
+            cheapest = extra;
+            at = k;
+          }
+        }
+        cheapest = std::max(cheapest, 0.0);
+        if (gain / (cheapest + options_.stop_cost) <= best_rate) continue;
+        double extra = distance(place(at), p);
+        if (at < stops_.size()) extra += distance(p, place(at + 1)) - legs[at];
+        const double rate = gain / (std::max(extra, 0.0) + options_.stop_cost);
+        if (rate > best_rate) {
+          best_rate = rate;
+          best = c;
+          best_at = at;
+        }
+      }
+      if (best == candidates_.size()) return;
+      stops_.insert(stops_.begin() + static_cast<std::ptrdiff_t>(best_at), best);
+      for (const std::int32_t i : candidates_[best].seen) ++count_[static_cast<std::size_t>(i)];
+      seen += value[best];
+      refresh_legs();
+    }
+  }
+
+  /// The shortest open path from the start that the tour solver finds, by roadmap lengths.
+  void improve_order() {
+    const int n = static_cast<int>(stops_.size()) + 1;
+    if (n < 4) return;
+    TourProblem problem{.costs = CostMatrix(n), .open = true, .start = 0};
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < i; ++j) {
+        const Point3 &a = place(static_cast<std::size_t>(i)), &b = place(static_cast<std::size_t>(j));
+        const double straight = (a - b).norm();
+        // Far pairs never become neighbours of a good tour; their straight line will do.
+        const double length = straight < 5.0 * range_ ? distance(a, b) : 1.3 * straight;
+        problem.costs(i, j) = problem.costs(j, i) = length;
+      }
+    const Tour tour = LinKernighan{}(problem);
+    std::vector<std::size_t> next;
+    for (const int i : tour.order)
+      if (i > 0) next.push_back(stops_[static_cast<std::size_t>(i) - 1]);
+    stops_ = std::move(next);
+  }
+
+  /// Looks taken on the way, facing the next viewpoint's heading as a drone would that turns while
+  /// it flies; then viewpoints that see nothing of their own are dropped, the dearest first.
+  void drop_useless() {
+    en_route_.assign(surface_.points.size(), 0);
+    for (std::size_t k = 0; k < stops_.size(); ++k) {
+      const auto path = roadmap_.query(place(k), place(k + 1));
+      if (!path) continue;
+      double until = options_.image_spacing;
+      for (std::size_t s = 1; s < path->points.size(); ++s) {
+        const Point3 a = path->points[s - 1], b = path->points[s];
+        const double length = (b - a).norm();
+        for (; until < length; until += options_.image_spacing) {
+          const int heading = candidates_[stops_[k]].heading;
+          for (const Sighting& seen : seen_from(a + (b - a) * (until / length)))
+            if ((seen.headings >> heading & 1U) != 0U)
+              en_route_[static_cast<std::size_t>(seen.target)] = 1;
+        }
+        until -= length;
+      }
+    }
+    double seen = count_seen();
+    for (bool dropped = true; dropped && !stops_.empty();) {
+      dropped = false;
+      std::size_t best = 0;
+      double best_rate = std::numeric_limits<double>::infinity(), best_loss = 0.0;
+      for (std::size_t k = 0; k < stops_.size(); ++k) {
+        double loss = 0.0;
+        for (const std::int32_t i : candidates_[stops_[k]].seen) {
+          const auto s = static_cast<std::size_t>(i);
+          if (count_[s] == 1 && en_route_[s] == 0) loss += surface_.areas[s];
+        }
+        double saved = (place(k + 1) - place(k)).norm();
+        if (k + 1 < stops_.size())
+          saved += (place(k + 2) - place(k + 1)).norm() - (place(k + 2) - place(k)).norm();
+        const double rate = loss / (std::max(saved, 0.0) + options_.stop_cost);
+        if (rate < best_rate && seen - loss >= goal_) {
+          best_rate = rate;
+          best_loss = loss;
+          best = k;
+          dropped = true;
+        }
+      }
+      if (!dropped) break;
+      for (const std::int32_t i : candidates_[stops_[best]].seen)
+        --count_[static_cast<std::size_t>(i)];
+      seen -= best_loss;
+      stops_.erase(stops_.begin() + static_cast<std::ptrdiff_t>(best));
+    }
+  }
+
+  void fly(CoverageTour& tour) {
+    tour.path.push_back(start_.position);
+    for (std::size_t k = 0; k < stops_.size(); ++k) {
+      const Candidate& c = candidates_[stops_[k]];
+      tour.viewpoints.push_back({c.position, heading_angle(c.heading)});
+      if (const auto path = roadmap_.query(place(k), place(k + 1)))
+        tour.path.insert(tour.path.end(), path->points.begin() + 1, path->points.end());
+    }
+    tour.length = polyline_length(tour.path);
+    tour.seen_area = count_seen();
+  }
+
+  const KnownSurface& surface_;
+  const Caster& caster_;
+  const FreeSpace& space_;
+  LazyPrmStar& roadmap_;
+  const PinholeCamera& camera_;
+  Configuration start_;
+  CoverageTourOptions options_;
+  double range_ = 1.0, goal_ = 0.0;
+  std::array<Pose, kHeadings> T_camera_body_;
+  std::vector<std::int32_t> order_;
+  std::vector<std::int64_t> packed_;
+  std::vector<Candidate> candidates_;
+  std::vector<std::size_t> stops_;
+  std::vector<int> count_;
+  std::vector<char> en_route_, reachable_;
+};
+}  // namespace detail
+
+/// Chooses viewpoints by new area per metre inserted into the tour, improves the order by
+/// Lin-Kernighan over roadmap lengths, counts what is seen on the way, drops what became useless, and
+/// fills up again. Candidates are the nodes of a lattice that can be reached from the start, with
+/// sixteen headings each. It is what an engineer with a model of the structure would fly, and the
+/// yardstick for planners that have none.
+///
+/// O(candidates · samples in view) for the sightings and O(stops · candidates) for the choice.
+template <RayCaster Caster>
+CoverageTour plan_coverage_tour(const KnownSurface& surface, const Caster& caster,
+                                const FreeSpace& space, LazyPrmStar& roadmap,
+                                const PinholeCamera& camera, const Configuration& start,
+                                const CoverageTourOptions& options = {},
+                                const Pose& T_body_camera = forward_camera_mount()) {
+  require(surface.points.size() == surface.normals.size() &&
+              surface.points.size() == surface.areas.size(),
+          "known surface: expected points, normals and areas of one length");
+  require(options.coverage > 0.0 && options.coverage <= 1.0 && options.spacing > 0.0 &&
+              options.image_spacing > 0.0 && options.stop_cost > 0.0,
+          "coverage tour: expected a share in (0, 1] and lengths above 0");
+  return detail::CoverageTourPlanner<Caster>(surface, caster, space, roadmap, camera,
+                                             T_body_camera, start, options)
+      .plan();
+}
+}  // namespace surfleet

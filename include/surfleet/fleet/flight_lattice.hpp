@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+/// @file  A lattice of flyable positions, searched outward from a robot.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <queue>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/types.hpp>
+#include <surfleet/mapping/voxel_grid.hpp>
+
+namespace surfleet {
+/// Positions on a regular lattice over a box, joined to their 26 neighbours where the straight
+/// flight between them is free. Nodes and edges are judged as the search meets them and never
+/// stored, so the lattice is always as free as the map is now.
+template <typename Free>
+class FlightLattice {
+ public:
+  /// A node reached by a search.
+  struct Site {
+    VoxelIndex cell;
+    Point3 position;
+    double distance;  ///< Along the lattice from the start [m].
+  };
+
+  /// `free` offers `is_free(Point3)` and `is_free_segment(Point3, Point3)`. Spacing in metres.
+  FlightLattice(const Free& free, const Box3& bounds, double spacing)
+      : free_(&free), bounds_(bounds), spacing_(spacing) {
+    for (int i = 0; i < 3; ++i)
+      count_[i] = std::max(1, static_cast<int>(std::floor(bounds.sizes()[i] / spacing)) + 1);
+    // The lattice is centred in the box.
+    for (int i = 0; i < 3; ++i)
+      origin_[i] = bounds.min()[i] + 0.5 * (bounds.sizes()[i] - (count_[i] - 1) * spacing);
+  }
+
+  Point3 position(const VoxelIndex& c) const { return origin_ + c.cast<double>() * spacing_; }
+  double spacing() const { return spacing_; }
+  std::size_t index(const VoxelIndex& c) const {
+    return (static_cast<std::size_t>(c.z()) * static_cast<std::size_t>(count_.y()) +
+            static_cast<std::size_t>(c.y())) *
+               static_cast<std::size_t>(count_.x()) +
+           static_cast<std::size_t>(c.x());
+  }
+  std::size_t size() const {
+    return static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()) *
+           static_cast<std::size_t>(count_.z());
+  }
+
+  /// Calls `visit(const Site&)` for the reachable nodes in the order of their distance from
+  /// `start` until it returns false. O(visited · log visited).
+  template <typename Visit>
+  void search(const Point3& start, Visit&& visit) const {
+    struct Entry {
+      double distance;
+      std::size_t index;
+      VoxelIndex cell;
+      bool operator>(const Entry& o) const {
+        return distance != o.distance ? distance > o.distance : index > o.index;
+      }
+    };
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    std::vector<float> best(size(), std::numeric_limits<float>::infinity());
+    std::vector<std::uint8_t> closed(size(), 0), state(size(), 0);  // state: 1 free, 2 blocked
+    const auto is_free = [&](const VoxelIndex& c, std::size_t i) {
+      if (state[i] == 0) state[i] = free_->is_free(position(c)) ? 1 : 2;
+      return state[i] == 1;
+    };
+    const auto inside = [&](const VoxelIndex& c) {
+      return (c.array() >= 0).all() && (c.array() < count_.array()).all();
+    };
+    // Enter the lattice at every node near the start that can be flown to in a straight line.
+    const VoxelIndex home = ((start - origin_) / spacing_).array().round().template cast<int>();
+    for (int r = 1; r <= 3 && open.empty(); ++r)
+      for (int z = -r; z <= r; ++z)
+        for (int y = -r; y <= r; ++y)
+          for (int x = -r; x <= r; ++x) {
+            const VoxelIndex c = home + VoxelIndex(x, y, z);
+            if (!inside(c)) continue;
+            const std::size_t i = index(c);
+            const Point3 p = position(c);
+            if (!is_free(c, i) || !free_->is_free_segment(start, p)) continue;
+            const double d = (p - start).norm();
+            best[i] = static_cast<float>(d);
+            open.push({d, i, c});
+          }
+    while (!open.empty()) {
+      const Entry e = open.top();
+      open.pop();
+      if (closed[e.index] != 0) continue;
+      closed[e.index] = 1;
+      if (!visit(Site{e.cell, position(e.cell), e.distance})) return;
+      for (int z = -1; z <= 1; ++z)
+        for (int y = -1; y <= 1; ++y)
+          for (int x = -1; x <= 1; ++x) {
+            const VoxelIndex step(x, y, z), c = e.cell + step;
+            if (step.isZero() || !inside(c)) continue;
+            const std::size_t i = index(c);
+            if (closed[i] != 0) continue;
+            const double d = e.distance + spacing_ * std::sqrt(static_cast<double>(step.squaredNorm()));
+            if (static_cast<float>(d) >= best[i] || !is_free(c, i)) continue;
+            if (!free_->is_free_segment(position(e.cell), position(c))) continue;
+            best[i] = static_cast<float>(d);
+            open.push({d, i, c});
+          }
+    }
+  }
+
+ private:
+  const Free* free_;
+  Box3 bounds_;
+  double spacing_;
+  VoxelIndex count_ = VoxelIndex::Ones();
+  Point3 origin_ = Point3::Zero();
+};
+}  // namespace surfleet

@@ -1,0 +1,468 @@
+// SPDX-License-Identifier: MIT
+/// @file  A fleet reconstructs what it does not know: the loop from depth image to motion and back,
+///        on one map for all robots [000 ch. 2, 3].
+///
+///     Mission<SurfleetPlanner, DroneWorld> mission(options, world, starts);
+///     const MissionResult result = mission.run();
+///     write_ply(extract_mesh(mission.map()), "reconstruction.ply");
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/parallel.hpp>
+#include <surfleet/fleet/look_ledger.hpp>
+#include <surfleet/fleet/plan.hpp>
+#include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/fleet/teammate_mask.hpp>
+#include <surfleet/mapping/tsdf_integrator.hpp>
+#include <surfleet/mapping/voxel_state_map.hpp>
+#include <surfleet/motion/kinematics.hpp>
+#include <surfleet/motion/low_level_planner.hpp>
+#include <surfleet/motion/traffic_policy.hpp>
+
+namespace surfleet {
+/// Where the robots really are: a simulator, or the robots themselves.
+///
+/// `capture(robot, shot, fleet)` is the depth image that robot takes as its shot-th, with all
+/// robots at the given configurations. It is asked for different robots at once, and must give the
+/// same image for the same arguments.
+template <typename W>
+concept WorldModel = requires(W& world, std::size_t robot, std::uint64_t shot,
+                              std::span<const Configuration> fleet) {
+  { world.capture(robot, shot, fleet) } -> std::same_as<DepthImage>;
+};
+
+struct MissionOptions {
+  PinholeCamera camera;
+  Pose T_body_camera = forward_camera_mount();
+  double voxel_size = 0.3;       ///< [m]
+  double known_weight = 0.3;     ///< W_th: a voxel of at least this weight is known.
+  double observed_share = 0.15;  ///< Share of W_th from which a voxel serves flight and sight.
+  TsdfOptions tsdf;              ///< A truncation of 0 stands for three voxels.
+  double body_radius = 1.0;      ///< [m]
+  double start_clearance = 2.5;  ///< What is known to be free around every start [m].
+  AerialLimits limits;
+  double image_period = 0.25;    ///< Between a robot's images, and the step of the clock [s].
+  double utility_share = 0.8;    ///< c_thres: share of a route's elements whose completion asks
+                                 ///< for a new plan.
+  int max_looks = 3;             ///< Looks in vain after which an element is given up.
+  double max_dwell = 10.0;       ///< Longest stay at a stop [s].
+  bool watchful = true;          ///< On the way, turn to what there is to see.
+  Box3 region;                   ///< Where surface is to be reconstructed [m].
+  Box3 bounds;                   ///< Where the robots may fly [m].
+  double max_time = 7200.0;      ///< The mission ends at this time at the latest [s].
+  int threads = 1;
+  std::uint64_t seed = 1;
+};
+
+/// A row of the mission's history.
+struct MissionProgress {
+  double time = 0.0;        ///< [s]
+  double path_length = 0.0; ///< Of all robots [m].
+  std::size_t incomplete = 0;
+  std::size_t known_blocks = 0;
+};
+
+struct TimedConfiguration {
+  double time = 0.0;  ///< [s]
+  Configuration configuration;
+};
+
+struct MissionResult {
+  bool complete = false;          ///< False if ended by time or from outside.
+  double completion_time = 0.0;   ///< On the mission's clock [s].
+  double planning_time = 0.0;     ///< Of the machine, in the high-level planner [s].
+  std::vector<std::vector<TimedConfiguration>> trajectories;  ///< One a robot.
+  std::vector<double> path_length;                            ///< One a robot [m].
+  std::size_t remaining = 0;      ///< Incomplete elements at the end.
+  std::map<LeftReason, std::size_t> reasons;                  ///< Of all that remain.
+  std::vector<MissionProgress> history;                       ///< About once in ten seconds.
+  std::size_t images = 0, plans = 0, emergency_stops = 0, waits = 0;
+
+  double total_path_length() const {
+    double sum = 0.0;
+    for (const double l : path_length) sum += l;
+    return sum;
+  }
+};
+
+/// One fleet, one map, one planner: the centralised architecture; with one robot, the single one.
+///
+/// An event loop on a simulated clock. In every step the robots move, look, and the map, the
+/// incomplete surface, the free space and the roadmap follow the change; then stops are
+/// checked off, obstacles and traffic are watched, and robots without a route are planned for. The
+/// same options, world and planner give the same result on any number of threads.
+template <FleetPlanner Planner, WorldModel World>
+class Mission {
+ public:
+  Planner planner;
+  /// Called about once a simulated second; false ends the mission.
+  std::function<bool(const MissionProgress&)> on_progress;
+
+  /// Throws `Error` on options out of range, no robots, or starts outside the bounds.
+  Mission(MissionOptions options, World& world, std::span<const Configuration> starts,
+          Planner p = {})
+      : planner(std::move(p)),
+        options_(checked(std::move(options), starts)),
+        world_(&world),
+        map_({.voxel_size = options_.voxel_size}),
+        integrate_(options_.tsdf),
+        known_(map_, {.known_weight = options_.known_weight}),
+        observed_(map_, {.known_weight = options_.known_weight * options_.observed_share}),
+        incomplete_({.known_weight = options_.known_weight, .region = options_.region}),
+        free_(observed_, {.radius = options_.body_radius, .bounds = options_.bounds}),
+        roadmap_(free_, {.seed = options_.seed}),
+        ledger_(options_.max_looks) {
+    for (const Configuration& start : starts) {
+      free_.add_known_free({start.position, options_.start_clearance});
+      agents_.emplace_back(AerialMotion(options_.limits, start));
+      fleet_.push_back(start);
+    }
+    free_.update();
+    result_.trajectories.resize(agents_.size());
+    result_.path_length.assign(agents_.size(), 0.0);
+  }
+  Mission(const Mission&) = delete;
+  Mission& operator=(const Mission&) = delete;
+
+  const TsdfMap& map() const { return map_; }
+  const MissionOptions& options() const { return options_; }
+
+  /// Runs to the end. Once only.
+  MissionResult run() {
+    record();
+    double next_report = 0.0;
+    while (time_ < options_.max_time) {
+      look();
+      check_stops();
+      plan();
+      if (finished()) {
+        result_.complete = true;
+        break;
+      }
+      move();
+      time_ = static_cast<double>(++step_) * options_.image_period;
+      record();
+      if (time_ >= next_report) {
+        next_report += 1.0;
+        const MissionProgress progress = current();
+        if (step_ % 40 == 0 || result_.history.empty()) result_.history.push_back(progress);
+        if (on_progress && !on_progress(progress)) break;
+      }
+    }
+    result_.history.push_back(current());
+    result_.completion_time = time_;
+    account_for_rest();
+    return std::move(result_);
+  }
+
+ private:
+  enum class Phase : std::uint8_t { waiting, scanning, flying, arriving, looking };
+  struct Agent {
+    explicit Agent(AerialMotion m) : motion(std::move(m)) {}
+    AerialMotion motion;
+    Phase phase = Phase::scanning;
+    Stops route;                   ///< What is left to do; the first stop is under way.
+    std::size_t initial_work = 0;  ///< Elements the route was made for, for the utility check.
+    double turned = 0.0;           ///< Of the first look around [rad].
+    double since = 0.0;            ///< When the phase began [s].
+    double idle_until = 0.0;       ///< No new request before [s], unless the map changes.
+    std::size_t useful = 0;        ///< Images of the current look.
+    double watch_yaw = 0.0;
+    double blocked_since = -1.0;   ///< Waiting for a teammate since [s].
+    bool stepping_aside = false;
+    Point3 aside = Point3::Zero();
+  };
+
+  static MissionOptions checked(MissionOptions o, std::span<const Configuration> starts) {
+    require(!starts.empty(), "robots: expected at least one");
+    require(starts.size() <= 64, "robots: expected at most 64");
+    require(o.voxel_size > 0.0 && std::isfinite(o.voxel_size),
+            "voxel size: expected a positive length");
+    require(o.known_weight > 0.0 && o.observed_share > 0.0 && o.observed_share <= 1.0,
+            "known weight: expected a positive weight and a share in (0, 1]");
+    require(o.image_period > 0.0 && o.image_period <= 5.0,
+            "image period: expected more than 0 and at most 5 s");
+    require(o.limits.speed > 0.0, "speed: expected more than 0 m/s");
+    require(!o.bounds.isEmpty(), "bounds: expected a box to fly in");
+    for (const Configuration& s : starts)
+      require(o.bounds.contains(s.position), "start outside the bounds: expected a start inside");
+    if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
+    o.tsdf.threads = o.threads;
+    return o;
+  }
+
+  double turn_per_step() const { return options_.limits.yaw_rate * options_.image_period; }
+
+  // -- sensing -----------------------------------------------------------------------------------
+  void look() {
+    const std::size_t n = agents_.size();
+    std::vector<DepthImage> images(n);
+    parallel_for(n, options_.threads, [&](std::size_t r) {
+      images[r] = world_->capture(r, step_, fleet_);
+      std::vector<Point3> mates;
+      for (std::size_t k = 0; k < n; ++k)
+        if (k != r) mates.push_back(fleet_[k].position);
+      mask_teammates(images[r], options_.camera, camera_pose(r), mates,
+                     options_.body_radius + options_.voxel_size);
+    });
+    for (std::size_t r = 0; r < n; ++r)
+      integrate_(images[r], options_.camera, camera_pose(r), map_);
+    result_.images += n;
+    known_.update(map_);
+    observed_.update(map_);
+    incomplete_.update(known_);
+    free_.update();
+    elements_dirty_ = true;
+  }
+  Pose camera_pose(std::size_t r) const { return fleet_[r].pose() * options_.T_body_camera; }
+
+  /// The elements still worth planning for, in voxel order; made when first asked for in a step.
+  const std::vector<IncompleteElement>& work() {
+    if (elements_dirty_) {
+      work_ = incomplete_.elements();
+      std::erase_if(work_, [&](const IncompleteElement& e) { return ledger_.given_up(e.voxel); });
+      elements_dirty_ = false;
+    }
+    return work_;
+  }
+
+  // -- stops -------------------------------------------------------------------------------------
+  bool any_open(const Stop& stop) const {
+    return std::any_of(stop.targets.begin(), stop.targets.end(), [&](const VoxelIndex& v) {
+      return incomplete_.contains(v) && !ledger_.given_up(v);
+    });
+  }
+  std::size_t open_work(const Stops& route) const {
+    std::size_t n = 0;
+    for (const Stop& s : route)
+      for (const VoxelIndex& v : s.targets) n += incomplete_.contains(v) ? 1 : 0;
+    return n;
+  }
+  /// Images from here that make a voxel at distance z known: W_th z², as the weights are 1/z².
+  std::size_t looks_needed(const Configuration& q, const VoxelIndex& v) const {
+    const double z2 = (known_.grid().center(v) - q.position).squaredNorm();
+    return static_cast<std::size_t>(std::ceil(options_.known_weight * z2)) + 2;
+  }
+
+  void check_stops() {
+    for (std::size_t r = 0; r < agents_.size(); ++r) {
+      Agent& a = agents_[r];
+      if (a.phase == Phase::scanning && a.turned >= 2.0 * kPi) begin(a, Phase::waiting);
+      if (a.phase == Phase::looking) {
+        ++a.useful;
+        bool done = true;
+        std::size_t needed = 0;
+        for (const VoxelIndex& v : a.route.front().targets) {
+          if (!incomplete_.contains(v)) continue;
+          done = false;
+          needed = std::max(needed, looks_needed(fleet_[r], v));
+        }
+        const double limit = options_.max_dwell / options_.image_period;
+        if (a.route.front().targets.empty()) done = a.useful >= 2;
+        if (done || static_cast<double>(a.useful) >= std::min(limit, static_cast<double>(needed)))
+          leave_stop(r);
+      }
+      // A stop whose elements were completed from elsewhere is passed over.
+      while ((a.phase == Phase::flying || a.phase == Phase::arriving) && !a.route.empty() &&
+             !a.route.front().targets.empty() && !any_open(a.route.front())) {
+        a.route.erase(a.route.begin());
+        a.motion.stop();
+        begin(a, Phase::waiting);
+      }
+      if (a.phase == Phase::flying && !path_still_free(a)) {
+        a.motion.stop();
+        ++result_.emergency_stops;
+        begin(a, Phase::waiting);
+      }
+    }
+  }
+  void leave_stop(std::size_t r) {
+    Agent& a = agents_[r];
+    for (const VoxelIndex& v : a.route.front().targets)
+      if (incomplete_.contains(v) && a.useful >= looks_needed(fleet_[r], v))
+        ledger_.looked_in_vain(v);
+    elements_dirty_ = true;
+    a.route.erase(a.route.begin());
+    begin(a, Phase::waiting);
+  }
+  void begin(Agent& a, Phase phase) {
+    a.phase = phase;
+    a.since = time_;
+    a.useful = 0;
+  }
+  bool path_still_free(const Agent& a) const {
+    return first_obstacle(free_, a.motion) > a.motion.stopping_distance() + options_.voxel_size ||
+           first_obstacle(free_, a.motion) == ShortestPaths::kUnreached;
+  }
+
+  // -- planning ----------------------------------------------------------------------------------
+  void plan() {
+    bool ask = false;
+    for (Agent& a : agents_) {
+      if (a.phase == Phase::scanning) continue;
+      if (a.phase == Phase::waiting && a.route.empty()) {
+        if (time_ >= a.idle_until) ask = true;
+      } else if (a.initial_work > 0 &&
+                 utility_spent(a.initial_work, open_work(a.route), options_.utility_share)) {
+        ask = true;
+      }
+    }
+    if (ask && !scanning()) request_plan();
+    for (std::size_t r = 0; r < agents_.size(); ++r)
+      if (agents_[r].phase == Phase::waiting && !agents_[r].route.empty() &&
+          agents_[r].motion.at_rest())
+        depart(r);
+  }
+  bool scanning() const {
+    return std::any_of(agents_.begin(), agents_.end(),
+                       [](const Agent& a) { return a.phase == Phase::scanning; });
+  }
+
+  void request_plan() {
+    std::vector<RobotRequest> robots;
+    for (std::size_t r = 0; r < agents_.size(); ++r) {
+      Agent& a = agents_[r];
+      const bool spent = a.initial_work > 0 &&
+                         utility_spent(a.initial_work, open_work(a.route), options_.utility_share);
+      robots.push_back({fleet_[r], a.route.empty() || spent, a.route});
+    }
+    const PlanRequest request{.work = work(),
+                              .incomplete = incomplete_,
+                              .known = known_,
+                              .observed = observed_,
+                              .free_space = free_,
+                              .roadmap = roadmap_,
+                              .camera = options_.camera,
+                              .T_body_camera = options_.T_body_camera,
+                              .region = options_.region,
+                              .robots = robots,
+                              .time = time_,
+                              .round = result_.plans};
+    const auto before = std::chrono::steady_clock::now();
+    PlanResult result = planner(request);
+    result_.planning_time +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    ++result_.plans;
+    impossible_ = std::move(result.impossible);
+    planned_revision_ = map_.revision();
+    for (std::size_t r = 0; r < agents_.size(); ++r) {
+      if (!result.routes[r]) continue;
+      Agent& a = agents_[r];
+      const bool moves = a.phase == Phase::flying || a.phase == Phase::arriving ||
+                         a.phase == Phase::looking;
+      if (moves) {
+        a.motion.stop();
+        begin(a, Phase::waiting);
+      }
+      a.route = std::move(*result.routes[r]);
+      a.initial_work = open_work(a.route);
+      if (a.route.empty()) a.idle_until = time_ + kIdle;
+    }
+  }
+
+  /// Sets off for the first stop that can be reached; the others are noted and dropped.
+  void depart(std::size_t r) {
+    Agent& a = agents_[r];
+    while (!a.route.empty()) {
+      const Stop& stop = a.route.front();
+      if (auto path = roadmap_.query(fleet_[r].position, stop.configuration.position)) {
+        a.motion.follow(std::move(path->points));
+        begin(a, Phase::flying);
+        return;
+      }
+      for (const VoxelIndex& v : stop.targets) ledger_.not_reached(v);
+      elements_dirty_ = true;
+      a.route.erase(a.route.begin());
+    }
+    a.idle_until = time_ + kIdle;
+  }
+
+  /// Done when nobody has anything to do and the planner, asked on this very map, found nothing.
+  bool finished() const {
+    for (const Agent& a : agents_)
+      if (a.phase != Phase::waiting || !a.route.empty() || !a.motion.at_rest()) return false;
+    return planned_revision_ == map_.revision() || time_ > last_work_ + kPatience;
+  }
+
+  // -- motion ------------------------------------------------------------------------------------
+  void move() {
+    std::vector<TrafficState> states;
+    for (std::size_t r = 0; r < agents_.size(); ++r)
+      states.push_back(traffic_state(r));
+    for (std::size_t r = 0; r < agents_.size(); ++r) {
+      Agent& a = agents_[r];
+      if (!a.route.empty()) last_work_ = time_;
+      step(r, states);
+      fleet_[r] = a.motion.configuration();
+    }
+  }
+  void step(std::size_t r, std::span<const TrafficState> states);
+  TrafficState traffic_state(std::size_t r) const;
+
+  // -- records -----------------------------------------------------------------------------------
+  void record() {
+    for (std::size_t r = 0; r < agents_.size(); ++r) {
+      auto& t = result_.trajectories[r];
+      if (!t.empty())
+        result_.path_length[r] +=
+            (fleet_[r].position - t.back().configuration.position).norm();
+      t.push_back({time_, fleet_[r]});
+    }
+  }
+  MissionProgress current() const {
+    return {time_, result_.total_path_length(), incomplete_.size(), known_.grid().block_count()};
+  }
+  void account_for_rest() {
+    std::map<std::array<int, 3>, LeftReason> planned;
+    for (const auto& [v, reason] : impossible_) planned[{v.x(), v.y(), v.z()}] = reason;
+    incomplete_.for_each([&](const IncompleteElement& e) {
+      LeftReason reason = LeftReason::not_attempted;
+      if (const auto given = ledger_.reason(e.voxel)) {
+        reason = *given;
+      } else if (const auto it = planned.find({e.voxel.x(), e.voxel.y(), e.voxel.z()});
+                 it != planned.end()) {
+        reason = it->second;
+      }
+      ++result_.reasons[reason];
+      ++result_.remaining;
+    });
+  }
+
+  static constexpr double kIdle = 2.0;       ///< Between requests of a robot without work [s].
+  static constexpr double kPatience = 10.0;  ///< Without work before the mission ends [s].
+
+  MissionOptions options_;
+  World* world_;
+  TsdfMap map_;
+  TsdfIntegrator<> integrate_;
+  VoxelStateMap known_, observed_;
+  IncompleteSurface incomplete_;
+  FreeSpace free_;
+  LazyPrmStar roadmap_;
+  LookLedger ledger_;
+  std::vector<Agent> agents_;
+  std::vector<Configuration> fleet_;
+  std::vector<IncompleteElement> work_;
+  bool elements_dirty_ = true;
+  std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;
+  std::uint64_t planned_revision_ = ~std::uint64_t{0}, step_ = 0;
+  double time_ = 0.0, last_work_ = 0.0;
+  MissionResult result_;
+};
+}  // namespace surfleet

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+/// @file  What a mission asks of a planner, and what it gets back.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/mapping/voxel_state_map.hpp>
+#include <surfleet/motion/free_space.hpp>
+#include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/viewpoint/incomplete_surface.hpp>
+
+namespace surfleet {
+/// One stop of a robot: where to be, and which elements are to be looked at from there.
+struct Stop {
+  Configuration configuration;
+  std::vector<VoxelIndex> targets;  ///< Incomplete elements this stop is for; may be empty.
+};
+/// What a robot is to do, in order.
+using Stops = std::vector<Stop>;
+
+/// Why an incomplete element is left when a mission ends [000 Def. 2].
+enum class LeftReason : std::uint8_t {
+  no_free_pose,     ///< No collision-free configuration has it in view.
+  unreachable,      ///< Configurations see it, but none can be reached.
+  seen_incomplete,  ///< Looked at as often as allowed, and still incomplete.
+  not_attempted,    ///< The mission was ended before its turn came.
+};
+constexpr std::string_view name_of(LeftReason r) {
+  switch (r) {
+    case LeftReason::no_free_pose: return "no_free_pose";
+    case LeftReason::unreachable: return "unreachable";
+    case LeftReason::seen_incomplete: return "seen_incomplete";
+    case LeftReason::not_attempted: break;
+  }
+  return "not_attempted";
+}
+
+/// A robot as the planner sees it.
+struct RobotRequest {
+  Configuration configuration;  ///< Where it is, or will be when it can follow a new route.
+  bool idle = true;             ///< It has nothing left to do and waits for a route.
+  Stops remaining;              ///< What it still has to do; empty if idle.
+};
+
+/// Everything a planner may look at. All views are of the mission's own state and last for the call.
+struct PlanRequest {
+  std::span<const IncompleteElement> work;  ///< Elements worth planning for, in voxel order.
+  const IncompleteSurface& incomplete;      ///< All of them, also those given up.
+  const VoxelStateMap& known;               ///< States at W_th: what is complete.
+  const VoxelStateMap& observed;            ///< States at a lower weight: what to fly and look through.
+  const FreeSpace& free_space;
+  LazyPrmStar& roadmap;
+  const PinholeCamera& camera;
+  const Pose& T_body_camera;
+  Box3 region;                              ///< Where surface is to be reconstructed.
+  std::span<const RobotRequest> robots;
+  double time = 0.0;                        ///< Of the mission [s].
+  std::uint64_t round = 0;                  ///< Number of this request: a seed that never repeats.
+};
+
+/// New routes and the elements for which the planner found none.
+struct PlanResult {
+  /// One a robot: nothing keeps the route it has, an empty route takes it away.
+  std::vector<std::optional<Stops>> routes;
+  std::vector<std::pair<VoxelIndex, LeftReason>> impossible;
+};
+
+/// A high-level planner: turns the state of the map into routes. It may keep state between calls.
+/// Models: `TourPlanner` (TSGA, NNB and their kin), `RatePlanner`, `RateThenTours`.
+template <typename P>
+concept FleetPlanner = requires(P& planner, const PlanRequest& request) {
+  { planner(request) } -> std::same_as<PlanResult>;
+};
+}  // namespace surfleet

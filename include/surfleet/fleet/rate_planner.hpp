@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+/// @file  A planner that flies where the most surface per metre is to be seen next.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/fleet/plan.hpp>
+#include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/viewpoint/surface_prediction.hpp>
+
+namespace surfleet {
+struct RatePlannerOptions {
+  double stop_cost = 3.0;          ///< What a stop costs beside its flight [m].
+  double turn_cost = 0.4;          ///< What turning costs [m/rad].
+  double spacing_share = 0.15;     ///< Lattice spacing over the camera's range.
+  double sight_share = 0.85;       ///< Farthest look that counts, over the camera's range.
+  double prediction_share = 0.6;   ///< How far surface is predicted to go on, over the range.
+  double prediction_worth = 0.6;   ///< Worth of predicted surface beside surface at hand.
+  int stops = 2;                   ///< Stops planned ahead for each robot.
+};
+
+/// Greedy flights by marginal rate.
+///
+/// What is worth seeing is the incomplete surface and the surface predicted to go on behind it. A
+/// stop is a node of the flight lattice and a heading; its rate is what it sees and nobody else
+/// was sent to see, over the metres it costs. Each robot in turn, the best first, is given the
+/// stop of the highest rate. The search goes outward from the robot and ends when no stop farther
+/// away could do better. Plans are made anew at every stop. Where the published method commits to
+/// a tour over what is known, this one is paid for by what the next flight will discover.
+class RatePlanner {
+ public:
+  RatePlannerOptions options;
+
+  explicit RatePlanner(RatePlannerOptions o = {}) : options(o) {}
+
+  /// The rate of the best stop given out by the last call [m²/m]; 0 if there was none.
+  double last_rate() const { return last_rate_; }
+
+  PlanResult operator()(const PlanRequest& request) {
+    const double range = request.camera.max_range;
+    const SightTargets targets(make_targets(request), request.observed, request.camera,
+                               request.T_body_camera,
+                               {.max_distance = options.sight_share * range});
+    const FlightLattice<FreeSpace> lattice(request.free_space, request.free_space.options().bounds,
+                                           options.spacing_share * range);
+    sites_.clear();
+    std::vector<char> done(targets.size(), 0);
+    const double most = targets.most_in_view();
+
+    PlanResult result;
+    result.routes.resize(request.robots.size());
+    std::vector<std::size_t> waiting;
+    for (std::size_t r = 0; r < request.robots.size(); ++r) {
+      if (request.robots[r].idle)
+        waiting.push_back(r);
+      else
+        for (const Stop& stop : request.robots[r].remaining)
+          mark(targets, targets.seen_from(stop.configuration.position), stop.configuration.yaw,
+               done);
+    }
+    last_rate_ = 0.0;
+    while (!waiting.empty()) {
+      std::optional<Candidate> best;
+      std::size_t who = 0;
+      for (std::size_t w = 0; w < waiting.size(); ++w) {
+        const auto c = best_stop(lattice, targets, done, most,
+                                 request.robots[waiting[w]].configuration);
+        if (c && (!best || c->rate > best->rate)) {
+          best = c;
+          who = w;
+        }
+      }
+      if (!best) break;
+      last_rate_ = std::max(last_rate_, best->rate);
+      Stops route;
+      Configuration at = best->configuration;
+      route.push_back(make_stop(request, targets, *best, done));
+      for (int s = 1; s < options.stops; ++s) {
+        const auto next = best_stop(lattice, targets, done, most, at);
+        if (!next || next->rate < 0.5 * best->rate) break;
+        at = next->configuration;
+        route.push_back(make_stop(request, targets, *next, done));
+      }
+      result.routes[waiting[who]] = std::move(route);
+      waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(who));
+    }
+    for (const std::size_t r : waiting) result.routes[r] = Stops{};
+    return result;
+  }
+
+ private:
+  struct Candidate {
+    Configuration configuration;
+    double rate = 0.0;
+    std::size_t site = 0;
+    int heading = 0;
+  };
+
+  std::vector<SightTarget> make_targets(const PlanRequest& request) const {
+    const double voxel = request.known.voxel_size();
+    std::vector<SightTarget> targets;
+    targets.reserve(request.work.size());
+    for (const IncompleteElement& e : request.work)
+      targets.push_back({e.position, e.direction, voxel * voxel, 2});
+    const double reach = options.prediction_share * request.camera.max_range;
+    const double step = 2.0 * voxel;
+    for (const PredictedPatch& p : predict_surface(request.work, request.known,
+                                                   {.reach = reach, .step = step, .region = request.region}))
+      targets.push_back({p.position, p.normal, options.prediction_worth * p.area,
+                         static_cast<int>(reach / voxel)});
+    return targets;
+  }
+
+  const std::vector<Sighting>& sightings(const SightTargets& targets, std::size_t site,
+                                         const Point3& position) {
+    const auto [it, fresh] = sites_.try_emplace(site);
+    if (fresh) it->second = targets.seen_from(position);
+    return it->second;
+  }
+
+  std::optional<Candidate> best_stop(const FlightLattice<FreeSpace>& lattice,
+                                     const SightTargets& targets, std::span<const char> done,
+                                     double most, const Configuration& from) {
+    std::optional<Candidate> best;
+    if (targets.size() == 0) return best;
+    lattice.search(from.position, [&](const auto& site) {
+      if (best && most <= best->rate * (site.distance + options.stop_cost)) return false;
+      const std::size_t index = lattice.index(site.cell);
+      const auto worth =
+          worth_by_heading(targets, sightings(targets, index, site.position), done);
+      for (int k = 0; k < kHeadings; ++k) {
+        const double w = worth[static_cast<std::size_t>(k)];
+        if (w <= 0.0) continue;
+        const double turn = std::abs(wrap_angle(heading_angle(k) - from.yaw));
+        const double rate =
+            w / (site.distance + options.stop_cost + options.turn_cost * turn);
+        if (!best || rate > best->rate)
+          best = Candidate{{site.position, heading_angle(k)}, rate, index, k};
+      }
+      return true;
+    });
+    return best;
+  }
+
+  /// Marks what the stop sees and names the incomplete elements among it.
+  Stop make_stop(const PlanRequest& request, const SightTargets& targets, const Candidate& c,
+                 std::vector<char>& done) {
+    Stop stop{c.configuration, {}};
+    for (const Sighting& s : sightings(targets, c.site, c.configuration.position)) {
+      const auto id = static_cast<std::size_t>(s.target);
+      if ((s.headings >> c.heading & 1U) == 0U || done[id] != 0) continue;
+      done[id] = 1;
+      if (id < request.work.size()) stop.targets.push_back(request.work[id].voxel);
+    }
+    return stop;
+  }
+
+  static void mark(const SightTargets& targets, const std::vector<Sighting>& seen, double yaw,
+                   std::vector<char>& done) {
+    const int k = static_cast<int>(std::lround(yaw / (2.0 * kPi) * kHeadings) + kHeadings) % kHeadings;
+    for (const Sighting& s : seen)
+      if ((s.headings >> k & 1U) != 0U) done[static_cast<std::size_t>(s.target)] = 1;
+    static_cast<void>(targets);
+  }
+
+  std::unordered_map<std::size_t, std::vector<Sighting>> sites_;
+  double last_rate_ = 0.0;
+};
+}  // namespace surfleet

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+/// @file  The whole library but the adapters.
+#pragma once
+
+#include <surfleet/allocation.hpp>
+#include <surfleet/core.hpp>
+#include <surfleet/coverage.hpp>
+#include <surfleet/evaluation.hpp>
+#include <surfleet/fleet.hpp>
+#include <surfleet/geometry.hpp>
+#include <surfleet/mapping.hpp>
+#include <surfleet/motion.hpp>
+#include <surfleet/simulation.hpp>
+#include <surfleet/viewpoint.hpp>
