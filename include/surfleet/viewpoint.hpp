@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+/// @file  Everything of the viewpoint room.
+#pragma once
+
+#include <surfleet/viewpoint/gain.hpp>
+#include <surfleet/viewpoint/incomplete_surface.hpp>
+#include <surfleet/viewpoint/surface_prediction.hpp>
+#include <surfleet/viewpoint/view_frustum.hpp>
+#include <surfleet/viewpoint/viewpoint.hpp>
+#include <surfleet/viewpoint/viewpoint_clustering.hpp>
+#include <surfleet/viewpoint/viewpoint_generation.hpp>
+#include <surfleet/viewpoint/visibility.hpp>

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+/// @file  A configuration worth taking because of what is seen from it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <surfleet/core/types.hpp>
+
+namespace surfleet {
+/// Where to be and what to look at from there.
+struct Viewpoint {
+  Configuration configuration;
+  /// From what is looked at towards the camera, unit.
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  /// Indices into the list of incomplete elements it was made for, ascending.
+  std::vector<std::int32_t> targets;
+};
+
+/// Why an incomplete element has no viewpoint.
+enum class NoViewReason : std::uint8_t {
+  outside_view,  ///< The camera's mount lets it be seen only from beyond the allowed angle.
+  occluded,      ///< Something stands in every line of sight.
+  no_free_pose,  ///< It could be seen, but the robot does not fit where it would have to be.
+  unreachable,   ///< It could be seen from free poses, none of which can be reached.
+};
+inline const char* to_string(NoViewReason r) {
+  switch (r) {
+    case NoViewReason::outside_view:
+      return "outside_view";
+    case NoViewReason::occluded:
+      return "occluded";
+    case NoViewReason::no_free_pose:
+      return "no_free_pose";
+    case NoViewReason::unreachable:
+      return "unreachable";
+  }
+  return "unknown";
+}
+
+/// An element that was given up, by its index in the list of elements.
+struct UnseenElement {
+  std::int32_t element = 0;
+  NoViewReason reason = NoViewReason::occluded;
+};
+
+/// Viewpoints, and the elements that none was found for. Together they account for every element.
+/// A range of `Viewpoint`, which converts to a span.
+struct ViewpointSet {
+  std::vector<Viewpoint> views;
+  std::vector<UnseenElement> unseen;
+
+  std::size_t size() const { return views.size(); }
+  bool empty() const { return views.empty(); }
+  const Viewpoint* data() const { return views.data(); }
+  auto begin() const { return views.begin(); }
+  auto end() const { return views.end(); }
+  const Viewpoint& operator[](std::size_t i) const { return views[i]; }
+};
+}  // namespace surfleet

@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: MIT
+/// @file  Viewpoints for incomplete surface elements, and their merging.
+///
+///     const auto views = generate_viewpoints(incomplete, states, camera, {.distance = 4.7},
+///     is_free); const auto fewer = merge_viewpoints(views, {.distance = 0.75}, sees_and_is_free);
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/types.hpp>
+#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/mapping/tsdf_map.hpp>
+#include <surfleet/mapping/voxel_state_map.hpp>
+#include <surfleet/viewpoint/detail/point_cells.hpp>
+#include <surfleet/viewpoint/incomplete_surface.hpp>
+#include <surfleet/viewpoint/view_frustum.hpp>
+#include <surfleet/viewpoint/viewpoint.hpp>
+#include <surfleet/viewpoint/visibility.hpp>
+
+namespace surfleet {
+/// What generation asks about a configuration: `p(q)` is true if the robot may be there. Asked both
+/// for "free" and for "reachable". Pure.
+template <typename P>
+concept ConfigurationPredicate = requires(const P& p, const Configuration& q) {
+  { p(q) } -> std::convertible_to<bool>;
+};
+/// Any configuration will do.
+struct AlwaysTrue {
+  bool operator()(const Configuration& /*q*/) const { return true; }
+};
+/// Free where every voxel whose centre is within `radius` [m] is known to be empty, and the voxel
+/// that holds the position itself.
+struct EmptyBall {
+  const VoxelStateMap* map;
+  double radius = 0.0;
+  bool operator()(const Configuration& q) const {
+    VoxelStateMap::Accessor state(*map);
+    const VoxelStateMap::Grid& grid = map->grid();
+    if (state(grid.index_of(q.position)) != VoxelState::empty) return false;
+    const Eigen::Vector3d r = Eigen::Vector3d::Constant(radius);
+    const VoxelIndex low = grid.index_of(q.position - r), high = grid.index_of(q.position + r);
+    for (int z = low.z(); z <= high.z(); ++z)
+      for (int y = low.y(); y <= high.y(); ++y)
+        for (int x = low.x(); x <= high.x(); ++x) {
+          const VoxelIndex v(x, y, z);
+          if ((grid.center(v) - q.position).squaredNorm() <= radius * radius &&
+              state(v) != VoxelState::empty)
+            return false;
+        }
+    return true;
+  }
+};
+static_assert(ConfigurationPredicate<AlwaysTrue> && ConfigurationPredicate<EmptyBall>);
+
+struct ViewpointOptions {
+  double distance = 4.7;       ///< δ_pose: from the element to the camera [m].
+  double min_distance = 0.0;   ///< Nearest that is tried [m]; 0: the camera's nearest depth.
+  double max_distance = 0.0;   ///< Farthest that is tried [m]; 0: the camera's farthest depth.
+  double distance_step = 0.5;  ///< Between distances that are tried [m].
+  double max_angle = radians(100.0);  ///< Largest between n̄_v and the line of sight [rad].
+  double angle_step = radians(15.0);  ///< Between lines of sight that are tried [rad].
+  double margin =
+      radians(3.0);     ///< Kept between elements and the image's upper and lower edge [rad].
+  int max_tries = 256;  ///< Poses that are asked about for one element.
+  bool unknown_blocks = false;  ///< Whether unknown voxels end the line of sight.
+  Pose T_body_camera = forward_camera_mount();
+};
+
+namespace detail {
+/// The lines of sight from which a mounted camera can have a point in its image at all, whatever
+/// the robot's heading: a band of elevations about the optical axis.
+class ViewDirections {
+ public:
+  ViewDirections(const ViewFrustum& frustum, const ViewpointOptions& o) {
+    const PinholeCamera& c = frustum.camera();
+    const Eigen::Vector3d axis = frustum.axis();
+    const double up = std::atan((c.cy + 0.5) / c.fy);
+    const double down = std::atan((c.height - 0.5 - c.cy) / c.fy);
+    const double half = std::max(0.0, std::min(up, down) - o.margin);
+    const double center = -std::asin(std::clamp(axis.z(), -1.0, 1.0));
+    axis_azimuth_ = axis.head<2>().norm() > 1e-9 ? std::atan2(axis.y(), axis.x()) : 0.0;
+    low_ = std::max(-0.5 * kPi, center - half);
+    high_ = std::min(0.5 * kPi, center + half);
+    const int levels = 1 + static_cast<int>(std::ceil((high_ - low_) / o.angle_step - 1e-9));
+    for (int i = 0; i < levels; ++i) {
+      const double elevation =
+          levels == 1 ? low_ : low_ + (high_ - low_) * i / static_cast<double>(levels - 1);
+      const int around = std::max(
+          1, static_cast<int>(std::ceil(2.0 * kPi * std::cos(elevation) / o.angle_step - 1e-6)));
+      for (int k = 0; k < around; ++k) fan_.push_back(unit(2.0 * kPi * k / around, elevation));
+    }
+  }
+
+  /// Directions over the whole band, about an angle step apart.
+  std::span<const Eigen::Vector3d> fan() const { return fan_; }
+
+  /// The direction of the band that is nearest to `n`; nothing if all are equally near.
+  std::optional<Eigen::Vector3d> nearest(const Eigen::Vector3d& n) const {
+    const double level = n.head<2>().norm();
+    const double elevation = std::atan2(n.z(), level);
+    const double clamped = std::clamp(elevation, low_, high_);
+    if (elevation == clamped) return n;
+    if (level < 1e-6) return std::nullopt;
+    return unit(std::atan2(n.y(), n.x()), clamped);
+  }
+
+  /// Heading and position that put the camera at `eye` with its axis over the azimuth of −`d`.
+  Configuration configuration(const ViewFrustum& frustum, const Point3& eye,
+                              const Eigen::Vector3d& d) const {
+    const double azimuth = d.head<2>().norm() > 1e-9 ? std::atan2(-d.y(), -d.x()) : 0.0;
+    Configuration q;
+    q.yaw = wrap_angle(azimuth - axis_azimuth_);
+    q.position = eye - Eigen::AngleAxisd(q.yaw, Eigen::Vector3d::UnitZ()) *
+                           Eigen::Vector3d(frustum.T_body_camera().translation());
+    return q;
+  }
+
+ private:
+  static Eigen::Vector3d unit(double azimuth, double elevation) {
+    return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+            std::sin(elevation)};
+  }
+  double axis_azimuth_ = 0.0, low_ = 0.0, high_ = 0.0;
+  std::vector<Eigen::Vector3d> fan_;
+};
+
+/// The distances to try, the preferred one first, then outwards from it.
+inline std::vector<double> view_distances(const PinholeCamera& camera, const ViewpointOptions& o) {
+  const double low = std::max(o.min_distance, camera.min_range);
+  const double high = o.max_distance > 0.0 ? o.max_distance : camera.max_range * std::sqrt(2.0);
+  std::vector<double> d;
+  if (o.distance >= low && o.distance <= high) d.push_back(o.distance);
+  for (int i = 1; o.distance - i * o.distance_step > low || o.distance + i * o.distance_step < high;
+       ++i) {
+    const double nearer = o.distance - i * o.distance_step;
+    const double farther = o.distance + i * o.distance_step;
+    if (nearer >= low && nearer <= high) d.push_back(nearer);
+    if (farther >= low && farther <= high) d.push_back(farther);
+  }
+  return d;
+}
+}  // namespace detail
+
+/// One viewpoint for each element from which it is really seen, or the reason why there is none
+/// [000 §2.4.2].
+///
+/// The camera is put at `distance` along n̄_v, or along the nearest direction that the mount lets a
+/// robot with four degrees of freedom look from, and turned towards the element. If the element is
+/// not in sight from there, or the robot cannot be there, others are tried: first distances within
+/// about a step of the wanted one, over directions by growing angle to n̄_v up to `max_angle`; then
+/// all other distances likewise. An element without direction takes directions as they come. Every
+/// viewpoint returned has its element in the frustum and in sight, `is_free` and `is_reachable`
+/// hold for it, and `targets` is its element. O(elements × tries), one try where nothing is in the
+/// way. Throws `Error` on a distance or a step that is not positive.
+template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue>
+ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
+                                 const VoxelStateMap& map, const PinholeCamera& camera,
+                                 const ViewpointOptions& options, const IsFree& is_free,
+                                 const IsReachable& is_reachable = {}) {
+  require(options.distance > 0.0 && std::isfinite(options.distance),
+          "viewpoint distance: expected a positive length");
+  require(options.distance_step > 0.01 && options.angle_step > 0.01 && options.max_tries > 0,
+          "viewpoint steps: expected more than 1 cm, more than 0.01 rad and at least one try");
+  const ViewFrustum frustum(camera, options.T_body_camera);
+  const detail::ViewDirections directions(frustum, options);
+  const std::vector<double> distances = detail::view_distances(camera, options);
+  const double reach =
+      distances.empty() ? 0.0 : *std::max_element(distances.begin(), distances.end());
+  const auto first = std::span(distances).first(std::min<std::size_t>(3, distances.size()));
+  const auto rest = std::span(distances).subspan(first.size());
+  const double min_cosine = std::cos(options.max_angle);
+  LineOfSight sight(map, {.unknown_blocks = options.unknown_blocks});
+
+  ViewpointSet result;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const IncompleteElement& e = elements[i];
+    const bool directed = !e.direction.isZero();
+    int tries = 0;
+    bool in_band = false, in_sight = false, free = false;
+
+    const auto attempt = [&](const Eigen::Vector3d& d,
+                             std::span<const double> lengths) -> std::optional<Configuration> {
+      if (directed && e.direction.dot(d) < min_cosine) return std::nullopt;
+      in_band = true;
+      const double clear =
+          sight.free_length(e.position, d, reach) + map.voxel_size();  // `sees` has the last word
+      for (const double distance : lengths) {
+        if (tries >= options.max_tries) return std::nullopt;
+        if (distance > clear) continue;
+        const Point3 eye = e.position + distance * d;
+        const Configuration q = directions.configuration(frustum, eye, d);
+        if (!frustum.contains(q, e.position) || !sight.sees(eye, e.voxel)) continue;
+        in_sight = true;
+        ++tries;
+        if (!is_free(q)) continue;
+        free = true;
+        if (is_reachable(q)) return q;
+      }
+      return std::nullopt;
+    };
+    const auto accept = [&](const Configuration& q, const Eigen::Vector3d& d) {
+      result.views.push_back({q, d, {static_cast<std::int32_t>(i)}});
+    };
+
+    const auto ideal = directed ? directions.nearest(e.direction) : std::nullopt;
+    if (ideal) {
+      if (const auto q = attempt(*ideal, first)) {
+        accept(*q, *ideal);
+        continue;
+      }
+    }
+    const auto fan = directions.fan();
+    order.clear();
+    for (std::size_t k = 0; k < fan.size(); ++k) {
+      const double cosine = directed ? e.direction.dot(fan[k]) : 1.0;
+      if (cosine >= min_cosine) order.emplace_back(-cosine, k);
+    }
+    std::sort(order.begin(), order.end());
+    bool found = false;
+    for (const auto& lengths : {first, rest}) {
+      for (const auto& [negative_cosine, k] : order) {
+        if (found || tries >= options.max_tries) break;
+        const auto q = attempt(fan[k], lengths);
+        if (!q) continue;
+        accept(*q, fan[k]);
+        found = true;
+      }
+    }
+    if (found) continue;
+    result.unseen.push_back({static_cast<std::int32_t>(i), free       ? NoViewReason::unreachable
+                                                           : in_sight ? NoViewReason::no_free_pose
+                                                           : in_band  ? NoViewReason::occluded
+                                                                     : NoViewReason::outside_view});
+  }
+  return result;
+}
+
+/// The same for the elements of an `IncompleteSurface`, whose indices are those of `elements()`.
+template <NeighborhoodPolicy U, NeighborhoodPolicy O, NeighborhoodPolicy D,
+          ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue>
+ViewpointSet generate_viewpoints(const BasicIncompleteSurface<U, O, D>& incomplete,
+                                 const VoxelStateMap& map, const PinholeCamera& camera,
+                                 const ViewpointOptions& options, const IsFree& is_free,
+                                 const IsReachable& is_reachable = {}) {
+  const std::vector<IncompleteElement> elements = incomplete.elements();
+  return generate_viewpoints(std::span<const IncompleteElement>(elements), map, camera, options,
+                             is_free, is_reachable);
+}
+/// The same where a configuration is free if its own voxel is empty.
+template <NeighborhoodPolicy U, NeighborhoodPolicy O, NeighborhoodPolicy D>
+ViewpointSet generate_viewpoints(const BasicIncompleteSurface<U, O, D>& incomplete,
+                                 const VoxelStateMap& map, const PinholeCamera& camera,
+                                 const ViewpointOptions& options = {}) {
+  return generate_viewpoints(incomplete, map, camera, options, EmptyBall{&map});
+}
+/// The same straight from a TSDF map, whose states are taken at the surface's W_th: O(map).
+template <NeighborhoodPolicy U, NeighborhoodPolicy O, NeighborhoodPolicy D>
+ViewpointSet generate_viewpoints(const BasicIncompleteSurface<U, O, D>& incomplete,
+                                 const TsdfMap& map, const PinholeCamera& camera,
+                                 const ViewpointOptions& options = {}) {
+  const VoxelStateMap states(map, {.known_weight = incomplete.options().known_weight});
+  return generate_viewpoints(incomplete, states, camera, options);
+}
+
+struct MergeOptions {
+  double distance = 0.75;    ///< ε: positions at most this far apart are merged [m].
+  double cos_angle = 0.966;  ///< Least cosine between viewing directions that are merged (15°).
+};
+
+/// Merges viewpoints that nearly coincide by averaging positions and headings [000 §2.4.2].
+///
+/// In order, each viewpoint joins the nearest group whose first member is within ε and looks
+/// nearly the same way, if `accept(merged)` holds for what the group becomes; else it starts a
+/// group of its own. So what was acceptable stays acceptable: pass a predicate that asks whether
+/// the pose is free, and, where that matters, whether its targets are seen (`SeesTargets`).
+/// Directions count with their sign: looking two opposite ways is not one view. Targets are
+/// united. About O(viewpoints).
+template <typename Accept>
+requires std::predicate<const Accept&, const Viewpoint&> std::vector<Viewpoint> merge_viewpoints(
+    std::span<const Viewpoint> views, const MergeOptions& options, const Accept& accept) {
+  require(options.distance >= 0.0 && std::isfinite(options.distance),
+          "merging distance: expected a length of zero or more");
+  struct Group {
+    Eigen::Vector3d position_sum, direction_sum;
+    Eigen::Vector2d heading_sum;
+    double count;
+  };
+  std::vector<Viewpoint> merged;
+  std::vector<Group> groups;
+  std::vector<Eigen::Vector3d> first_direction;
+  std::vector<double> first_yaw;
+  detail::PointCells cells(std::max(options.distance, 1e-3));
+  std::vector<std::pair<double, std::int32_t>> near;
+  for (const Viewpoint& view : views) {
+    const Configuration& q = view.configuration;
+    near.clear();
+    cells.for_each_within(q.position, options.distance, [&](std::int32_t id, double d2) {
+      const auto g = static_cast<std::size_t>(id);
+      if (first_direction[g].dot(view.direction) >= options.cos_angle &&
+          std::cos(first_yaw[g] - q.yaw) >= options.cos_angle)
+        near.emplace_back(d2, id);
+    });
+    std::sort(near.begin(), near.end());
+    const Eigen::Vector2d heading(std::cos(q.yaw), std::sin(q.yaw));
+    bool joined = false;
+    for (const auto& [d2, id] : near) {
+      const auto g = static_cast<std::size_t>(id);
+      Group grown = groups[g];
+      grown.position_sum += q.position;
+      grown.direction_sum += view.direction;
+      grown.heading_sum += heading;
+      grown.count += 1.0;
+      Viewpoint candidate;
+      candidate.configuration.position = grown.position_sum / grown.count;
+      candidate.configuration.yaw = std::atan2(grown.heading_sum.y(), grown.heading_sum.x());
+      candidate.direction = grown.direction_sum.normalized();
+      std::set_union(merged[g].targets.begin(), merged[g].targets.end(), view.targets.begin(),
+                     view.targets.end(), std::back_inserter(candidate.targets));
+      if (!accept(static_cast<const Viewpoint&>(candidate))) continue;
+      groups[g] = grown;
+      merged[g] = std::move(candidate);
+      joined = true;
+      break;
+    }
+    if (joined) continue;
+    cells.insert(q.position, static_cast<std::int32_t>(merged.size()));
+    merged.push_back(view);
+    groups.push_back({q.position, view.direction, heading, 1.0});
+    first_direction.push_back(view.direction);
+    first_yaw.push_back(q.yaw);
+  }
+  return merged;
+}
+/// The same where every merged pose is welcome.
+inline std::vector<Viewpoint> merge_viewpoints(std::span<const Viewpoint> views,
+                                               const MergeOptions& options = {}) {
+  return merge_viewpoints(views, options, [](const Viewpoint&) { return true; });
+}
+
+/// Whether a viewpoint's pose is free and each of its targets is in the frustum and in sight. For
+/// `merge_viewpoints`. The map and the elements must outlive it.
+template <ConfigurationPredicate IsFree>
+struct SeesTargets {
+  std::span<const IncompleteElement> elements;
+  const VoxelStateMap* map;
+  ViewFrustum frustum;
+  IsFree is_free;
+  SightOptions sight = {};
+
+  bool operator()(const Viewpoint& view) const {
+    if (!is_free(view.configuration)) return false;
+    const ViewFrustum::Placed placed = frustum.at(view.configuration);
+    const Point3 eye = placed.eye();
+    LineOfSight line(*map, sight);
+    return std::all_of(view.targets.begin(), view.targets.end(), [&](std::int32_t t) {
+      const IncompleteElement& e = elements[static_cast<std::size_t>(t)];
+      return placed.contains(e.position) && line.sees(eye, e.voxel);
+    });
+  }
+};
+template <typename IsFree>
+SeesTargets(std::span<const IncompleteElement>, const VoxelStateMap*, ViewFrustum, IsFree)
+    -> SeesTargets<IsFree>;
+}  // namespace surfleet

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+/// @file  Maps made by hand for the tests of this room.
+#pragma once
+
+#include <cmath>
+
+#include <surfleet/core/random.hpp>
+#include <surfleet/mapping/tsdf_map.hpp>
+
+namespace view_test {
+using namespace surfleet;
+
+inline void set_state(TsdfMap& map, const VoxelIndex& v, VoxelState s) {
+  const std::uint32_t slot = map.ensure_slot(TsdfMap::block_of(v));
+  map.block(slot).voxels[TsdfMap::offset_of(v)] = {s == VoxelState::empty ? 0.5F : -0.5F,
+                                                   s == VoxelState::unknown ? 0.1F : 1.0F};
+  map.mark_changed(slot);
+}
+
+/// Gives every voxel of [low, high] the state that `fn(voxel)` says.
+template <typename Fn>
+void paint(TsdfMap& map, const VoxelIndex& low, const VoxelIndex& high, Fn&& fn) {
+  for (int z = low.z(); z <= high.z(); ++z)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int x = low.x(); x <= high.x(); ++x) set_state(map, {x, y, z}, fn(VoxelIndex(x, y, z)));
+}
+
+/// Occupied below `floor`, empty from there up to `top`, within ±`half` voxels; unknown elsewhere.
+inline TsdfMap floor_scene(int half, int top, double voxel_size = 0.25) {
+  TsdfMap map({.voxel_size = voxel_size});
+  paint(map, {-half, -half, -3}, {half, half, top},
+        [](const VoxelIndex& v) { return v.z() < 0 ? VoxelState::occupied : VoxelState::empty; });
+  return map;
+}
+
+/// A wall seen from +x: occupied for x in [−3, −1], empty from 0 to `depth`, |y| and |z| ≤ `half`.
+inline TsdfMap wall_scene(int half, int depth, double voxel_size = 0.25) {
+  TsdfMap map({.voxel_size = voxel_size});
+  paint(map, {-3, -half, -half}, {depth, half, half},
+        [](const VoxelIndex& v) { return v.x() < 0 ? VoxelState::occupied : VoxelState::empty; });
+  return map;
+}
+}  // namespace view_test
