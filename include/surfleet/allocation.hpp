@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+/// @file  Everything of the allocation room: tours, cluster graphs, and who visits what.
+#pragma once
+
+#include <surfleet/allocation/assignment.hpp>
+#include <surfleet/allocation/cluster_graph.hpp>
+#include <surfleet/allocation/cost_matrix.hpp>
+#include <surfleet/allocation/exact_tour.hpp>
+#include <surfleet/allocation/greedy_allocator.hpp>
+#include <surfleet/allocation/hamiltonian_path.hpp>
+#include <surfleet/allocation/improve_allocation.hpp>
+#include <surfleet/allocation/lin_kernighan.hpp>
+#include <surfleet/allocation/route.hpp>
+#include <surfleet/allocation/three_opt.hpp>
+#include <surfleet/allocation/tour.hpp>
+#include <surfleet/allocation/tsplib.hpp>

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+/// @file  The published high-level planner: viewpoints, clusters, tours, allocation [000 ch. 2, 3].
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <set>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <surfleet/allocation/greedy_allocator.hpp>
+#include <surfleet/allocation/improve_allocation.hpp>
+#include <surfleet/fleet/plan.hpp>
+#include <surfleet/viewpoint/gain.hpp>
+#include <surfleet/viewpoint/view_frustum.hpp>
+#include <surfleet/viewpoint/viewpoint_clustering.hpp>
+#include <surfleet/viewpoint/viewpoint_generation.hpp>
+
+namespace surfleet {
+/// Leaves a plan as it is.
+struct KeepAllocation {
+  template <typename Graph>
+  FleetPlan operator()(const Graph& /*graph*/, FleetPlan plan,
+                       const AlreadyAssigned& /*assigned*/ = {}) const {
+    return plan;
+  }
+};
+
+struct TourPlannerOptions {
+  double distance = 4.7;       ///< δ_pose [m].
+  MergeOptions merge;          ///< ε and "almost parallel".
+  ClusterOptions clusters;     ///< d_ν and d_ν^max.
+  ExponentialUtility utility;  ///< λ_tc and λ_ic.
+  /// Whether robots that are on their way keep their route, and only those without get a new one
+  /// from the work nobody has; else every call plans for all.
+  bool asynchronous = false;
+};
+
+/// Viewpoints at the incomplete surface, merged, clustered, valued by ray casting, allocated to the
+/// robots and put in order by maximum-utility open paths: with the default allocator TSGA, with
+/// the rule `NearestNeighbour` NNB. `Improve` is a second step over the whole plan.
+template <typename Allocator = GreedyAllocator<>, typename Improve = KeepAllocation>
+class TourPlanner {
+ public:
+  TourPlannerOptions options;
+  Allocator allocate;
+  Improve improve;
+
+  explicit TourPlanner(TourPlannerOptions o = {}, Allocator a = {}, Improve i = {})
+      : options(std::move(o)), allocate(std::move(a)), improve(std::move(i)) {}
+
+  PlanResult operator()(const PlanRequest& request) {
+    PlanResult result;
+    result.routes.resize(request.robots.size());
+    std::vector<std::size_t> serve;
+    std::vector<Configuration> starts;
+    for (std::size_t r = 0; r < request.robots.size(); ++r)
+      if (request.robots[r].idle || !options.asynchronous) {
+        serve.push_back(r);
+        starts.push_back(request.robots[r].configuration);
+      }
+    if (serve.empty()) return result;
+    for (const std::size_t r : serve) result.routes[r] = Stops{};
+    const std::vector<IncompleteElement> elements = unassigned(request);
+
+    // Viewpoints, and the elements there is none for.
+    const ViewFrustum frustum(request.camera, request.T_body_camera);
+    const auto is_free = [&](const Configuration& q) {
+      return request.free_space.is_free(q.position);
+    };
+    const auto is_reachable = [&](const Configuration& q) {
+      return std::any_of(starts.begin(), starts.end(), [&](const Configuration& s) {
+        return request.roadmap.reachable(s.position, q.position);
+      });
+    };
+    const ViewpointSet set = generate_viewpoints(
+        elements, request.observed, request.camera,
+        {.distance = options.distance, .T_body_camera = request.T_body_camera}, is_free,
+        is_reachable);
+    for (const UnseenElement& u : set.unseen)
+      result.impossible.emplace_back(elements[static_cast<std::size_t>(u.element)].voxel,
+                                     u.reason == NoViewReason::unreachable
+                                         ? LeftReason::unreachable
+                                         : LeftReason::no_free_pose);
+    const std::vector<Viewpoint> views = merge_viewpoints(
+        set, options.merge, SeesTargets(std::span(elements), &request.observed, frustum, is_free));
+    if (views.empty()) return result;
+
+    // Clusters and what they are worth.
+    std::vector<ViewpointCluster> clusters = cluster_viewpoints(views, options.clusters);
+    const IncompleteSurfaceGain gain(elements, request.observed, frustum);
+    const auto seen = seen_from_all(gain, views);
+    assign_gains(gain, seen, clusters);
+    std::vector<ConfigurationCluster<Configuration>> nodes;
+    std::vector<std::int32_t> view_of;  // by the graph's numbering of configurations
+    for (const ViewpointCluster& c : clusters) {
+      ConfigurationCluster<Configuration> node;
+      for (const std::int32_t v : c.views) {
+        node.configurations.push_back(views[static_cast<std::size_t>(v)].configuration);
+        view_of.push_back(v);
+      }
+      // Every view was made for an element in its sight, so only a merged one can be worth nothing.
+      node.gain = std::max(c.gain, 0.5 / static_cast<double>(elements.size()));
+      nodes.push_back(std::move(node));
+    }
+    const ClusterGraph<Configuration> graph(std::move(nodes), starts, {options.utility});
+    const FleetPlan plan = improve(graph, allocate(graph));
+    for (std::size_t k = 0; k < serve.size(); ++k) {
+      Stops route;
+      for (const int c : graph.viewpoints(static_cast<int>(k), plan.routes[k])) {
+        const Viewpoint& view =
+            views[static_cast<std::size_t>(view_of[static_cast<std::size_t>(c)])];
+        Stop stop{view.configuration, {}};
+        for (const std::int32_t t : view.targets)
+          stop.targets.push_back(elements[static_cast<std::size_t>(t)].voxel);
+        route.push_back(std::move(stop));
+      }
+      result.routes[serve[k]] = std::move(route);
+    }
+    return result;
+  }
+
+ private:
+  /// The work less what robots that keep their route are about to see.
+  std::vector<IncompleteElement> unassigned(const PlanRequest& request) const {
+    std::vector<IncompleteElement> elements(request.work.begin(), request.work.end());
+    if (!options.asynchronous) return elements;
+    std::set<std::array<int, 3>> taken;
+    for (const RobotRequest& robot : request.robots)
+      if (!robot.idle)
+        for (const Stop& stop : robot.remaining)
+          for (const VoxelIndex& v : stop.targets) taken.insert({v.x(), v.y(), v.z()});
+    std::erase_if(elements, [&](const IncompleteElement& e) {
+      return taken.contains({e.voxel.x(), e.voxel.y(), e.voxel.z()});
+    });
+    return elements;
+  }
+};
+
+/// TSGA [000 Alg. 2] and NNB [000 Alg. 4], and what goes beyond them: an improvement step after the
+/// greedy pass, and a rule that evens out the robots' times.
+using TsgaPlanner = TourPlanner<>;
+using NnbPlanner = TourPlanner<GreedyAllocator<TourUtility<LinKernighan>, NearestFirst,
+                                               PartitionMatroid, NearestNeighbour>>;
+using ImprovedTsgaPlanner = TourPlanner<GreedyAllocator<>, ImproveAllocation<>>;
+using MakespanPlanner =
+    TourPlanner<GreedyAllocator<TourShortness<LinKernighan>, NearestFirst, PartitionMatroid,
+                                MakespanAware>,
+                ImproveAllocation<Makespan, TourShortness<LinKernighan>>>;
+
+/// First one planner, then, from the moment the first one's rate falls below a share of what it was
+/// on average, another for good: fast flights while there is much to see, tours for what is left.
+template <typename First, FleetPlanner Then>
+class RateThenTours {
+ public:
+  First first;
+  Then then;
+  double share = 0.06;  ///< Of the mean rate.
+
+  explicit RateThenTours(First f = First{}, Then t = Then{})
+      : first(std::move(f)), then(std::move(t)) {}
+
+  PlanResult operator()(const PlanRequest& request) {
+    if (!switched_) {
+      PlanResult result = first(request);
+      const double rate = first.last_rate();
+      bool any_idle = false;
+      for (const RobotRequest& r : request.robots) any_idle |= r.idle;
+      if (!any_idle || rate > share * mean_rate()) {
+        if (rate > 0.0) {
+          sum_ += rate;
+          ++count_;
+        }
+        return result;
+      }
+      switched_ = true;
+    }
+    return then(request);
+  }
+  /// Whether the second planner has taken over.
+  bool switched() const { return switched_; }
+
+ private:
+  double mean_rate() const { return count_ > 0 ? sum_ / static_cast<double>(count_) : 0.0; }
+  double sum_ = 0.0;
+  std::size_t count_ = 0;
+  bool switched_ = false;
+};
+}  // namespace surfleet

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+/// @file  Everything of the motion room.
+#pragma once
+
+#include <surfleet/motion/collision_body.hpp>
+#include <surfleet/motion/free_space.hpp>
+#include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/motion/path.hpp>
+#include <surfleet/motion/reachable_set.hpp>
+#include <surfleet/motion/shortcut.hpp>
