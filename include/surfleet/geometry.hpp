@@ -3,6 +3,8 @@
 #pragma once
 
 #include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/curvature.hpp>
+#include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: MIT
+/// @file  A surface as a graph of sites: the mesh's vertices, or its triangles in the dual
+///        [004 §6.2, §6.3.1].
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/coverage/metric_field.hpp>
+#include <surfleet/geometry/geodesic.hpp>
+#include <surfleet/geometry/graph.hpp>
+#include <surfleet/geometry/triangle_mesh.hpp>
+
+namespace surfleet {
+/// What coverage needs to know of a surface. A weighted graph whose arcs measure distance.
+struct SurfaceGraph {
+  std::vector<Point3> position;         ///< Of every site [m].
+  std::vector<double> area;             ///< A(v) [m²].
+  std::vector<double> mass;             ///< M_A(v) = A(v) ρ(v).
+  std::vector<Eigen::Matrix3d> tensor;  ///< K̃ of every site; empty is the identity.
+  Graph links;   ///< Neighbours on the surface: what makes a region connected.
+  Graph across;  ///< Arcs of the distance where they are not the links; or empty.
+
+  std::size_t size() const { return position.size(); }
+  const Graph& distance_graph() const { return across.size() > 0 ? across : links; }
+  std::span<const Arc> arcs(std::int32_t site) const { return distance_graph().arcs(site); }
+};
+static_assert(WeightedGraph<SurfaceGraph>);
+
+/// A way to read a mesh as sites.
+template <typename S>
+concept SurfaceModel = requires(const S& model, const TriangleMesh& mesh,
+                                const EdgeGeodesic& distance, const MetricField& field) {
+  { model(mesh, distance, field) } -> std::same_as<SurfaceGraph>;
+};
+
+/// G_mesh: one site a vertex, with a third of the area of every triangle around it.
+struct MeshGraph {
+  template <typename Distance>
+  SurfaceGraph operator()(const TriangleMesh& mesh, const Distance& distance,
+                          const MetricField& field = {}) const {
+    require_valid_surface(mesh);
+    require_valid_field(field, mesh);
+    const std::size_t n = mesh.vertices.size();
+    SurfaceGraph graph;
+    graph.position = mesh.vertices;
+    graph.tensor = field.tensor;
+    graph.area.assign(n, 0.0);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (const std::int32_t v : mesh.triangles[t])
+        graph.area[static_cast<std::size_t>(v)] += mesh.area(t) / 3.0;
+    graph.mass = graph.area;
+    for (std::size_t v = 0; v < field.density.size(); ++v) graph.mass[v] *= field.density[v];
+    const auto measure = [&](const auto& metric) {
+      graph.links = EdgeGeodesic{}(mesh, metric);
+      if constexpr (!std::same_as<Distance, EdgeGeodesic>) graph.across = distance(mesh, metric);
+    };
+    if (field.tensor.empty() && field.norm == 2.0)
+      measure(EuclideanMetric{});
+    else
+      measure(FieldMetric(field.tensor, field.norm));
+    return graph;
+  }
+};
+
+/// G*_mesh: one site a triangle, neighbours over a common edge, distances from centroid to
+/// centroid straight over that edge. The distance policy is not asked.
+struct DualMeshGraph {
+  template <typename Distance>
+  SurfaceGraph operator()(const TriangleMesh& mesh, const Distance&,
+                          const MetricField& field = {}) const {
+    require_valid_surface(mesh);
+    require_valid_field(field, mesh);
+    const std::size_t m = mesh.triangles.size();
+    SurfaceGraph graph;
+    for (std::size_t t = 0; t < m; ++t) {
+      graph.position.push_back(mesh.centroid(t));
+      graph.area.push_back(mesh.area(t));
+      graph.mass.push_back(graph.area[t] * mean(field.density, mesh.triangles[t], 1.0));
+      if (!field.tensor.empty())
+        graph.tensor.push_back(
+            mean(field.tensor, mesh.triangles[t], Eigen::Matrix3d(Eigen::Matrix3d::Identity())));
+    }
+    const HalfEdges half(mesh);
+    std::vector<detail::Link> links;
+    const auto measure = [&](const auto& metric) {
+      for (const std::int32_t first : half.edges())
+        for (std::int32_t g = half.around(first); g != first; g = half.around(g))
+          for (std::int32_t h = first; h != g; h = half.around(h)) {
+            const std::int32_t s = HalfEdges::triangle(h), t = HalfEdges::triangle(g);
+            if (s == t) continue;
+            const Point3 x = crossing(mesh, half, h, g);
+            links.push_back(
+                {s, t, metric(s, t, x - at(graph, s)) + metric(s, t, at(graph, t) - x)});
+          }
+    };
+    if (field.tensor.empty() && field.norm == 2.0)
+      measure(EuclideanMetric{});
+    else
+      measure(FieldMetric(graph.tensor, field.norm));
+    graph.links = detail::symmetric_graph(m, links);
+    return graph;
+  }
+
+  /// Where the shortest line between the centroids of two triangles crosses their common edge.
+  static Point3 crossing(const TriangleMesh& mesh, const HalfEdges& half, std::int32_t h,
+                         std::int32_t g) {
+    const Point3& a = mesh.vertices[static_cast<std::size_t>(half.from(h))];
+    const Point3& b = mesh.vertices[static_cast<std::size_t>(half.to(h))];
+    const Eigen::Vector3d edge = b - a;
+    const double squared = edge.squaredNorm();
+    if (!(squared > 0.0)) return a;
+    const auto flat = [&](std::int32_t k) {
+      const Eigen::Vector3d d = mesh.centroid(static_cast<std::size_t>(HalfEdges::triangle(k))) - a;
+      return Eigen::Vector2d(d.dot(edge) / squared, d.cross(edge).norm() / squared);
+    };
+    const Eigen::Vector2d p = flat(h), q = flat(g);
+    const double share = p.y() + q.y() > 0.0 ? p.y() / (p.y() + q.y()) : 0.5;
+    return a + std::clamp(p.x() + share * (q.x() - p.x()), 0.0, 1.0) * edge;
+  }
+
+ private:
+  static const Point3& at(const SurfaceGraph& graph, std::int32_t s) {
+    return graph.position[static_cast<std::size_t>(s)];
+  }
+  template <typename T>
+  static T mean(const std::vector<T>& values, const Triangle& t, const T& otherwise) {
+    if (values.empty()) return otherwise;
+    return (values[static_cast<std::size_t>(t[0])] + values[static_cast<std::size_t>(t[1])] +
+            values[static_cast<std::size_t>(t[2])]) /
+           3.0;
+  }
+};
+static_assert(SurfaceModel<MeshGraph> && SurfaceModel<DualMeshGraph>);
+
+/// A graph seen through a sieve: only the nodes that `keep(node)` lets through exist.
+template <WeightedGraph G, typename Keep>
+class Restricted {
+ public:
+  Restricted(const G& graph, const Keep& keep) : graph_(&graph), keep_(&keep) {}
+  std::size_t size() const { return graph_->size(); }
+
+  using Inner = decltype(std::declval<const G&>().arcs(0).begin());
+  struct Iterator {
+    Inner at, last;
+    const Keep* keep;
+    void skip() {
+      while (at != last && !(*keep)(at->to)) ++at;
+    }
+    decltype(auto) operator*() const { return *at; }
+    auto operator->() const { return &*at; }
+    Iterator& operator++() {
+      ++at;
+      skip();
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return at != other.at; }
+  };
+  struct Range {
+    Iterator first, last;
+    Iterator begin() const { return first; }
+    Iterator end() const { return last; }
+  };
+  Range arcs(std::int32_t node) const {
+    const auto all = graph_->arcs(node);
+    Range range{{all.begin(), all.end(), keep_}, {all.end(), all.end(), keep_}};
+    range.first.skip();
+    return range;
+  }
+
+ private:
+  const G* graph_;
+  const Keep* keep_;
+};
+
+/// Lets every node through.
+struct KeepAll {
+  bool operator()(std::int32_t) const { return true; }
+};
+/// Lets the marked nodes through; all of them where the marks are empty.
+struct KeepMarked {
+  const std::vector<std::uint8_t>* marks;
+  bool operator()(std::int32_t v) const {
+    return marks->empty() || (*marks)[static_cast<std::size_t>(v)] != 0;
+  }
+};
+
+/// A name from 0 for every connected component among the kept sites, −1 elsewhere. Names follow
+/// the lowest site. O(n + m).
+template <typename Keep = KeepAll>
+std::vector<std::int32_t> connected_components(const Graph& links, const Keep& keep = {}) {
+  std::vector<std::int32_t> name(links.size(), -1), stack;
+  std::int32_t next = 0;
+  for (std::size_t s = 0; s < links.size(); ++s) {
+    const auto site = static_cast<std::int32_t>(s);
+    if (name[s] >= 0 || !keep(site)) continue;
+    name[s] = next;
+    stack.push_back(site);
+    while (!stack.empty()) {
+      const std::int32_t v = stack.back();
+      stack.pop_back();
+      for (const Arc& arc : links.arcs(v)) {
+        const auto j = static_cast<std::size_t>(arc.to);
+        if (name[j] >= 0 || !keep(arc.to)) continue;
+        name[j] = next;
+        stack.push_back(arc.to);
+      }
+    }
+    ++next;
+  }
+  return name;
+}
+
+/// What `clean_surface` took away.
+struct SurfaceDefects {
+  std::size_t merged_vertices = 0;       ///< At the very place of another.
+  std::size_t degenerate_triangles = 0;  ///< With a repeated vertex or of no area.
+  std::size_t repeated_triangles = 0;    ///< On the same three vertices as another.
+  std::size_t unused_vertices = 0;
+  std::size_t nonmanifold_edges = 0;  ///< Kept: edges of three or more triangles.
+  std::size_t components = 0;
+};
+
+/// A surface fit for coverage: vertices at one place merged, so that a soup becomes connected;
+/// triangles without area or said twice dropped, vertices without triangles too. Throws `Error`
+/// where nothing is left or the mesh is not valid. O(n log n).
+inline TriangleMesh clean_surface(const TriangleMesh& mesh, SurfaceDefects* defects = nullptr) {
+  require_valid_surface(mesh);
+  SurfaceDefects found;
+  const std::size_t n = mesh.vertices.size();
+  std::vector<std::int32_t> order(n), same(n);
+  for (std::size_t v = 0; v < n; ++v) order[v] = static_cast<std::int32_t>(v);
+  const auto place = [&](std::int32_t v) {
+    const Point3& p = mesh.vertices[static_cast<std::size_t>(v)];
+    return std::array<double, 3>{p.x(), p.y(), p.z()};
+  };
+  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+    const auto pa = place(a), pb = place(b);
+    return pa != pb ? pa < pb : a < b;
+  });
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool repeat = i > 0 && place(order[i]) == place(order[i - 1]);
+    same[static_cast<std::size_t>(order[i])] =
+        repeat ? same[static_cast<std::size_t>(order[i - 1])] : order[i];
+    found.merged_vertices += repeat ? 1 : 0;
+  }
+  std::vector<Triangle> kept;
+  for (Triangle t : mesh.triangles) {
+    for (std::int32_t& v : t) v = same[static_cast<std::size_t>(v)];
+    const Point3 a = mesh.vertices[static_cast<std::size_t>(t[0])];
+    const Eigen::Vector3d u = mesh.vertices[static_cast<std::size_t>(t[1])] - a;
+    const Eigen::Vector3d w = mesh.vertices[static_cast<std::size_t>(t[2])] - a;
+    const double scale = std::max({u.squaredNorm(), w.squaredNorm(), (u - w).squaredNorm()});
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || !(u.cross(w).norm() > 1e-12 * scale))
+      ++found.degenerate_triangles;
+    else
+      kept.push_back(t);
+  }
+  {
+    std::vector<std::pair<Triangle, std::size_t>> keys;
+    for (std::size_t t = 0; t < kept.size(); ++t) {
+      Triangle key = kept[t];
+      std::sort(key.begin(), key.end());
+      keys.push_back({key, t});
+    }
+    std::sort(keys.begin(), keys.end());
+    std::vector<bool> drop(kept.size(), false);
+    for (std::size_t i = 1; i < keys.size(); ++i)
+      if (keys[i].first == keys[i - 1].first) {
+        drop[keys[i].second] = true;
+        ++found.repeated_triangles;
+      }
+    std::size_t to = 0;
+    for (std::size_t t = 0; t < kept.size(); ++t)
+      if (!drop[t]) kept[to++] = kept[t];
+    kept.resize(to);
+  }
+  require(!kept.empty(), "mesh: no triangle with an area; expected a surface");
+  TriangleMesh clean;
+  std::vector<std::int32_t> renamed(n, -1);
+  for (Triangle& t : kept)
+    for (std::int32_t& v : t) {
+      std::int32_t& name = renamed[static_cast<std::size_t>(v)];
+      if (name < 0) name = 0;
+    }
+  for (std::size_t v = 0; v < n; ++v)
+    if (renamed[v] == 0) {
+      renamed[v] = static_cast<std::int32_t>(clean.vertices.size());
+      clean.vertices.push_back(mesh.vertices[v]);
+    }
+  for (Triangle& t : kept)
+    for (std::int32_t& v : t) v = renamed[static_cast<std::size_t>(v)];
+  clean.triangles = std::move(kept);
+  if (defects != nullptr) {
+    found.unused_vertices = n - found.merged_vertices - clean.vertices.size();
+    const HalfEdges half(clean);
+    for (const std::int32_t h : half.edges()) {
+      const std::int32_t second = half.around(h);
+      found.nonmanifold_edges += half.around(second) != h && second != h ? 1 : 0;
+    }
+    const auto name = connected_components(EdgeGeodesic{}(clean, EuclideanMetric{}));
+    for (const std::int32_t c : name)
+      found.components = std::max(found.components, static_cast<std::size_t>(c) + 1);
+    *defects = found;
+  }
+  return clean;
+}
+}  // namespace surfleet
