@@ -51,7 +51,7 @@ struct PlotSeries {
   std::string label;              ///< Empty: not in the legend.
   std::vector<double> x, y;       ///< Of equal length.
   std::vector<double> low, high;  ///< A band drawn around it; empty or of the same length.
-  std::optional<Rgb> color;       ///< By default the next of `categorical_color`.
+  std::optional<Rgb> color = std::nullopt;  ///< By default the next of `categorical_color`.
   bool dashed = false;
   bool stepped = false;  ///< Each value holds until the next x.
   bool filled = false;   ///< Area down to zero.
