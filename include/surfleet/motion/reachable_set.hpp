@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+/// @file  Which free places are connected with which: "unreachable" as a fast, exact answer.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <surfleet/motion/free_space.hpp>
+
+namespace surfleet {
+/// The connected components of the free voxel lattice (face neighbours).
+///
+/// Lines between free face neighbours are free, so two places of one component have a valid path
+/// between them; places of different components have none on the lattice, though one may squeeze
+/// through where no voxel centre fits. Components are labelled block by block and joined over
+/// block faces: an update relabels the changed blocks alone and joins all labels anew, which is
+/// O(changed blocks · 512 + blocks). Queries are O(1).
+///
+/// With unknown space free and no bounds, what was never near an obstacle has no component.
+class ReachableSet {
+ public:
+  explicit ReachableSet(const FreeSpace& space) : space_(&space) { update(); }
+
+  /// Follows the free space. True if anything changed.
+  bool update() {
+    const auto changed = space_->changed_since(cursor_);
+    if (changed.empty() && cursor_ != 0) return false;
+    cursor_ = std::max<std::uint64_t>(space_->revision(), 1);
+    const auto& grid = space_->grid();
+    parts_.resize(grid.block_count());
+    std::vector<std::pair<std::uint32_t, int>> faces;
+    for (std::uint32_t slot = known_; slot < parts_.size(); ++slot) label(slot, faces);
+    for (const std::uint32_t slot : changed)
+      if (slot < known_) label(slot, faces);
+    known_ = static_cast<std::uint32_t>(parts_.size());
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    for (const auto& [slot, axis] : faces) join_face(slot, axis);
+
+    std::int32_t next = 0;
+    for (Part& p : parts_) {
+      p.first = next;
+      next += p.count;
+    }
+    root_.resize(static_cast<std::size_t>(next));
+    std::iota(root_.begin(), root_.end(), 0);
+    for (const Part& p : parts_)
+      for (const Face& face : p.faces)
+        for (const auto& [mine, theirs] : face.links)
+          unite(p.first + mine, parts_[face.slot].first + theirs);
+    // A parent is never above its child, so in ascending order one hop reaches the root.
+    for (auto& r : root_) r = root_[static_cast<std::size_t>(r)];
+    return true;
+  }
+
+  /// The component of a voxel; nothing if its centre is not free.
+  std::optional<std::int32_t> component(const VoxelIndex& v) const {
+    const std::uint32_t slot = space_->grid().find_slot(FreeSpace::Grid::block_of(v));
+    if (slot >= parts_.size()) return std::nullopt;
+    const auto offset = FreeSpace::Grid::offset_of(v);
+    const Part& p = parts_[slot];
+    if (p.count == 0 || !space_->is_free_in(slot, offset)) return std::nullopt;
+    const std::int32_t local = p.labels.empty() ? 0 : p.labels[offset];
+    return root_[static_cast<std::size_t>(p.first + local)];
+  }
+  /// The lattice voxel that a free position is joined to by a free straight line, roomiest first;
+  /// nothing if the position is not free or there is none.
+  std::optional<VoxelIndex> anchor(const Point3& p) const {
+    if (!space_->is_free(p)) return std::nullopt;
+    const double h = space_->voxel_size();
+    const VoxelIndex base = space_->grid().index_of(p - Point3::Constant(0.5 * h));
+    std::array<std::pair<std::int64_t, int>, 8> order;
+    auto read = space_->probe();
+    for (int k = 0; k < 8; ++k) {
+      const VoxelIndex v = base + corner(k);
+      order[static_cast<std::size_t>(k)] = {-static_cast<std::int64_t>(read.squared(v)), k};
+    }
+    std::sort(order.begin(), order.end());
+    for (const auto& [room, k] : order) {
+      const VoxelIndex v = base + corner(k);
+      if (component(v) && space_->is_free_segment(p, space_->grid().center(v))) return v;
+    }
+    return std::nullopt;
+  }
+  /// The component of a position: names are stable until the next update that changes anything.
+  std::optional<std::int32_t> component(const Point3& p) const {
+    const auto v = anchor(p);
+    return v ? component(*v) : std::nullopt;
+  }
+  bool connected(const Point3& a, const Point3& b) const {
+    const auto ca = component(a);
+    return ca && ca == component(b);
+  }
+  const FreeSpace& space() const { return *space_; }
+
+ private:
+  struct Face {
+    std::uint32_t slot = 0;                                      // of the neighbour in +axis
+    std::vector<std::pair<std::uint16_t, std::uint16_t>> links;  // labels here and there
+  };
+  struct Part {
+    std::int32_t count = 0;             // components in the block
+    std::int32_t first = 0;             // name of the block's first component
+    std::vector<std::uint16_t> labels;  // empty: all free voxels are one component
+    std::array<Face, 3> faces;
+  };
+
+  static VoxelIndex corner(int k) { return {k & 1, (k >> 1) & 1, k >> 2}; }
+  static VoxelIndex unit(int axis) {
+    VoxelIndex u = VoxelIndex::Zero();
+    u[axis] = 1;
+    return u;
+  }
+
+  void label(std::uint32_t slot, std::vector<std::pair<std::uint32_t, int>>& faces) {
+    Part& p = parts_[slot];
+    const auto& grid = space_->grid();
+    for (int axis = 0; axis < 3; ++axis) {
+      faces.emplace_back(slot, axis);
+      const std::uint32_t below = grid.find_slot(grid.block(slot).index - unit(axis));
+      if (below != FreeSpace::Grid::kNone) faces.emplace_back(below, axis);
+    }
+    const auto& bits = space_->free_bits(slot);
+    p.labels.clear();
+    p.count = 0;
+    bool any = false, all = true;
+    for (const std::uint64_t w : bits) {
+      any = any || w != 0;
+      all = all && w == ~std::uint64_t{0};
+    }
+    if (!any) return;
+    if (all) {
+      p.count = 1;
+      return;
+    }
+    // Flood by layers of 8 × 8 bits: grow within the free bits until nothing moves.
+    auto left = bits;
+    std::vector<FreeSpace::FreeBits> pieces;
+    for (std::size_t z = 0; z < 8; ++z)
+      while (left[z] != 0) {
+        FreeSpace::FreeBits piece{};
+        piece[z] = left[z] & (~left[z] + 1);
+        for (bool grew = true; grew;) {
+          grew = false;
+          for (std::size_t k = 0; k < 8; ++k) {
+            const std::uint64_t before = piece[k];
+            std::uint64_t b = before;
+            if (k > 0) b |= piece[k - 1];
+            if (k < 7) b |= piece[k + 1];
+            b &= left[k];
+            for (std::uint64_t was = 0; was != b;) {
+              was = b;
+              b |= (((b << 1) & 0xFEFEFEFEFEFEFEFEULL) | ((b >> 1) & 0x7F7F7F7F7F7F7F7FULL) |
+                    (b << 8) | (b >> 8)) &
+                   left[k];
+            }
+            if (b != before) {
+              piece[k] = b;
+              grew = true;
+            }
+          }
+        }
+        for (std::size_t k = 0; k < 8; ++k) left[k] &= ~piece[k];
+        pieces.push_back(piece);
+      }
+    p.count = static_cast<std::int32_t>(pieces.size());
+    if (p.count == 1) return;
+    p.labels.assign(FreeSpace::Grid::kBlockVoxels, 0);
+    for (std::size_t c = 0; c < pieces.size(); ++c)
+      for (std::size_t k = 0; k < 8; ++k)
+        for (std::uint64_t b = pieces[c][k]; b != 0; b &= b - 1)
+          p.labels[k * 64 + static_cast<std::size_t>(std::countr_zero(b))] =
+              static_cast<std::uint16_t>(c);
+  }
+
+  void join_face(std::uint32_t slot, int axis) {
+    const auto& grid = space_->grid();
+    Part& p = parts_[slot];
+    Face& face = p.faces[static_cast<std::size_t>(axis)];
+    face.links.clear();
+    face.slot = grid.find_slot(grid.block(slot).index + unit(axis));
+    if (p.count == 0 || face.slot == FreeSpace::Grid::kNone) return;
+    const Part& q = parts_[face.slot];
+    if (q.count == 0) return;
+    const std::size_t step = std::size_t{1} << (3 * axis);
+    for (std::size_t o = 0; o < FreeSpace::Grid::kBlockVoxels; ++o) {
+      if ((o / step) % 8 != 0) continue;
+      const std::size_t here = o + 7 * step;
+      if (!space_->is_free_in(slot, here) || !space_->is_free_in(face.slot, o)) continue;
+      face.links.emplace_back(p.labels.empty() ? std::uint16_t{0} : p.labels[here],
+                              q.labels.empty() ? std::uint16_t{0} : q.labels[o]);
+      if (p.labels.empty() && q.labels.empty()) break;
+    }
+    std::sort(face.links.begin(), face.links.end());
+    face.links.erase(std::unique(face.links.begin(), face.links.end()), face.links.end());
+  }
+
+  std::int32_t find(std::int32_t i) {
+    while (root_[static_cast<std::size_t>(i)] != i) {
+      auto& parent = root_[static_cast<std::size_t>(i)];
+      parent = root_[static_cast<std::size_t>(parent)];
+      i = parent;
+    }
+    return i;
+  }
+  void unite(std::int32_t a, std::int32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a != b) root_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+
+  const FreeSpace* space_;
+  std::vector<Part> parts_;  // by slot
+  std::vector<std::int32_t> root_;
+  std::uint32_t known_ = 0;
+  std::uint64_t cursor_ = 0;
+};
+}  // namespace surfleet
