@@ -42,6 +42,15 @@ struct Configuration {
   }
 };
 
+/// Straight-line distance between points or configurations [m].
+struct EuclideanDistance {
+  double operator()(const Point2& a, const Point2& b) const { return (a - b).norm(); }
+  double operator()(const Point3& a, const Point3& b) const { return (a - b).norm(); }
+  double operator()(const Configuration& a, const Configuration& b) const {
+    return (a.position - b.position).norm();
+  }
+};
+
 /// `T_body_camera` of a camera that looks along the body's x axis, tilted down by `pitch` [rad].
 inline Pose forward_camera_mount(double pitch = 0.0, const Point3& offset = Point3::Zero()) {
   Eigen::Matrix3d optical;  // columns: camera x (right), y (down), z (forward) in the body frame

@@ -28,12 +28,6 @@ template <typename D>
 concept PathDistance = requires(D& d, const Configuration& q) {
   { d(q, q) } -> std::convertible_to<std::optional<double>>;
 };
-/// As the crow flies.
-struct EuclideanDistance {
-  std::optional<double> operator()(const Configuration& a, const Configuration& b) const {
-    return (a.position - b.position).norm();
-  }
-};
 static_assert(PathDistance<EuclideanDistance>);
 
 /// Viewpoints that are visited together.
