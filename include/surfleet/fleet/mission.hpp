@@ -32,8 +32,6 @@
 #include <surfleet/mapping/tsdf_integrator.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/kinematics.hpp>
-#include <surfleet/motion/low_level_planner.hpp>
-#include <surfleet/motion/traffic_policy.hpp>
 
 namespace surfleet {
 /// Where the robots really are: a simulator, or the robots themselves.
@@ -130,7 +128,7 @@ class Mission {
         ledger_(options_.max_looks) {
     for (const Configuration& start : starts) {
       free_.add_known_free({start.position, options_.start_clearance});
-      agents_.emplace_back(AerialMotion(options_.limits, start));
+      agents_.emplace_back(AerialMotion(start, options_.limits));
       fleet_.push_back(start);
     }
     free_.update();
@@ -172,21 +170,17 @@ class Mission {
   }
 
  private:
-  enum class Phase : std::uint8_t { waiting, scanning, flying, arriving, looking };
+  enum class Phase : std::uint8_t { scanning, waiting, flying, looking };
   struct Agent {
     explicit Agent(AerialMotion m) : motion(std::move(m)) {}
     AerialMotion motion;
     Phase phase = Phase::scanning;
     Stops route;                   ///< What is left to do; the first stop is under way.
     std::size_t initial_work = 0;  ///< Elements the route was made for, for the utility check.
-    double turned = 0.0;           ///< Of the first look around [rad].
-    double since = 0.0;            ///< When the phase began [s].
-    double idle_until = 0.0;       ///< No new request before [s], unless the map changes.
-    std::size_t useful = 0;        ///< Images of the current look.
-    double watch_yaw = 0.0;
-    double blocked_since = -1.0;   ///< Waiting for a teammate since [s].
-    bool stepping_aside = false;
-    Point3 aside = Point3::Zero();
+    int quarters = 0;              ///< Of the first look around.
+    double idle_until = 0.0;       ///< No new request before [s].
+    std::size_t images = 0;        ///< Taken at this stop.
+    double watch_yaw = 0.0;        ///< Where to look on the way [rad].
   };
 
   static MissionOptions checked(MissionOptions o, std::span<const Configuration> starts) {
@@ -206,8 +200,6 @@ class Mission {
     o.tsdf.threads = o.threads;
     return o;
   }
-
-  double turn_per_step() const { return options_.limits.yaw_rate * options_.image_period; }
 
   // -- sensing -----------------------------------------------------------------------------------
   void look() {
@@ -263,9 +255,8 @@ class Mission {
   void check_stops() {
     for (std::size_t r = 0; r < agents_.size(); ++r) {
       Agent& a = agents_[r];
-      if (a.phase == Phase::scanning && a.turned >= 2.0 * kPi) begin(a, Phase::waiting);
       if (a.phase == Phase::looking) {
-        ++a.useful;
+        ++a.images;
         bool done = true;
         std::size_t needed = 0;
         for (const VoxelIndex& v : a.route.front().targets) {
@@ -273,74 +264,77 @@ class Mission {
           done = false;
           needed = std::max(needed, looks_needed(fleet_[r], v));
         }
-        const double limit = options_.max_dwell / options_.image_period;
-        if (a.route.front().targets.empty()) done = a.useful >= 2;
-        if (done || static_cast<double>(a.useful) >= std::min(limit, static_cast<double>(needed)))
-          leave_stop(r);
+        if (a.route.front().targets.empty()) done = a.images >= 2;
+        const double limit = std::min(options_.max_dwell / options_.image_period,
+                                      static_cast<double>(needed));
+        if (done || static_cast<double>(a.images) >= limit) leave_stop(r);
       }
-      // A stop whose elements were completed from elsewhere is passed over.
-      while ((a.phase == Phase::flying || a.phase == Phase::arriving) && !a.route.empty() &&
-             !a.route.front().targets.empty() && !any_open(a.route.front())) {
+      if (a.phase != Phase::flying) continue;
+      if (!a.route.front().targets.empty() && !any_open(a.route.front())) {
+        // Completed from elsewhere: passed over.
         a.route.erase(a.route.begin());
-        a.motion.stop();
-        begin(a, Phase::waiting);
-      }
-      if (a.phase == Phase::flying && !path_still_free(a)) {
-        a.motion.stop();
+        halt(a);
+      } else if (!way_is_free(a)) {
         ++result_.emergency_stops;
-        begin(a, Phase::waiting);
+        halt(a);
       }
     }
   }
   void leave_stop(std::size_t r) {
     Agent& a = agents_[r];
     for (const VoxelIndex& v : a.route.front().targets)
-      if (incomplete_.contains(v) && a.useful >= looks_needed(fleet_[r], v))
+      if (incomplete_.contains(v) && a.images >= looks_needed(fleet_[r], v))
         ledger_.looked_in_vain(v);
     elements_dirty_ = true;
     a.route.erase(a.route.begin());
-    begin(a, Phase::waiting);
+    a.phase = Phase::waiting;
   }
-  void begin(Agent& a, Phase phase) {
-    a.phase = phase;
-    a.since = time_;
-    a.useful = 0;
+  void halt(Agent& a) {
+    a.motion.stop();
+    a.phase = Phase::waiting;
   }
-  bool path_still_free(const Agent& a) const {
-    return first_obstacle(free_, a.motion) > a.motion.stopping_distance() + options_.voxel_size ||
-           first_obstacle(free_, a.motion) == ShortestPaths::kUnreached;
+  /// Whether the way ahead is free as far as it matters now.
+  bool way_is_free(const Agent& a) const {
+    double left = a.motion.stopping_distance() + 3.0 * options_.voxel_size +
+                  options_.limits.speed * 1.0;
+    const std::vector<Point3> way = a.motion.remaining();
+    for (std::size_t k = 1; k < way.size() && left > 0.0; ++k) {
+      const double length = (way[k] - way[k - 1]).norm();
+      const Point3 end = length <= left ? way[k] : Point3(way[k - 1] + (way[k] - way[k - 1]) * (left / length));
+      // The rounded corners leave the polyline a little, so the start itself is not asked about.
+      if (!free_.is_free_segment(way[k - 1], end) && free_.is_free(way[k - 1])) return false;
+      left -= length;
+    }
+    return true;
   }
 
   // -- planning ----------------------------------------------------------------------------------
   void plan() {
+    if (std::any_of(agents_.begin(), agents_.end(),
+                    [](const Agent& a) { return a.phase == Phase::scanning; }))
+      return;
     bool ask = false;
-    for (Agent& a : agents_) {
-      if (a.phase == Phase::scanning) continue;
-      if (a.phase == Phase::waiting && a.route.empty()) {
-        if (time_ >= a.idle_until) ask = true;
-      } else if (a.initial_work > 0 &&
-                 utility_spent(a.initial_work, open_work(a.route), options_.utility_share)) {
-        ask = true;
-      }
-    }
-    if (ask && !scanning()) request_plan();
+    for (const Agent& a : agents_)
+      ask |= a.route.empty() ? time_ >= a.idle_until : is_spent(a);
+    if (ask) request_plan();
     for (std::size_t r = 0; r < agents_.size(); ++r)
       if (agents_[r].phase == Phase::waiting && !agents_[r].route.empty() &&
-          agents_[r].motion.at_rest())
+          agents_[r].motion.standing())
         depart(r);
   }
-  bool scanning() const {
-    return std::any_of(agents_.begin(), agents_.end(),
-                       [](const Agent& a) { return a.phase == Phase::scanning; });
+  /// UtilityCheck: so much of what the route was made for is complete that a new one is due.
+  bool is_spent(const Agent& a) const {
+    return a.initial_work > 0 &&
+           static_cast<double>(open_work(a.route)) <=
+               (1.0 - options_.utility_share) * static_cast<double>(a.initial_work);
   }
 
   void request_plan() {
     std::vector<RobotRequest> robots;
     for (std::size_t r = 0; r < agents_.size(); ++r) {
       Agent& a = agents_[r];
-      const bool spent = a.initial_work > 0 &&
-                         utility_spent(a.initial_work, open_work(a.route), options_.utility_share);
-      robots.push_back({fleet_[r], a.route.empty() || spent, a.route});
+      const bool idle = a.route.empty() || is_spent(a);
+      robots.push_back({fleet_[r], idle, idle ? Stops{} : a.route});
     }
     const PlanRequest request{.work = work(),
                               .incomplete = incomplete_,
@@ -360,18 +354,19 @@ class Mission {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     ++result_.plans;
     impossible_ = std::move(result.impossible);
-    planned_revision_ = map_.revision();
+    planned_revision_ = known_.grid().revision();
     for (std::size_t r = 0; r < agents_.size(); ++r) {
       if (!result.routes[r]) continue;
       Agent& a = agents_[r];
-      const bool moves = a.phase == Phase::flying || a.phase == Phase::arriving ||
-                         a.phase == Phase::looking;
-      if (moves) {
-        a.motion.stop();
-        begin(a, Phase::waiting);
-      }
-      a.route = std::move(*result.routes[r]);
+      Stops& route = *result.routes[r];
+      const bool same = !route.empty() && !a.route.empty() && a.phase != Phase::waiting &&
+                        (route.front().configuration.position -
+                         a.route.front().configuration.position).norm() < 1e-6 &&
+                        std::abs(wrap_angle(route.front().configuration.yaw -
+                                            a.route.front().configuration.yaw)) < 1e-6;
+      a.route = std::move(route);
       a.initial_work = open_work(a.route);
+      if (!same) halt(a);
       if (a.route.empty()) a.idle_until = time_ + kIdle;
     }
   }
@@ -382,8 +377,13 @@ class Mission {
     while (!a.route.empty()) {
       const Stop& stop = a.route.front();
       if (auto path = roadmap_.query(fleet_[r].position, stop.configuration.position)) {
-        a.motion.follow(std::move(path->points));
-        begin(a, Phase::flying);
+        a.watch_yaw = stop.configuration.yaw;
+        AerialMotion::YawLaw look;
+        if (options_.watchful)
+          look = [&a](const Point3&, const Eigen::Vector3d&) { return a.watch_yaw; };
+        a.motion.follow(path->points, stop.configuration.yaw, std::move(look));
+        a.phase = Phase::flying;
+        a.images = 0;
         return;
       }
       for (const VoxelIndex& v : stop.targets) ledger_.not_reached(v);
@@ -396,24 +396,47 @@ class Mission {
   /// Done when nobody has anything to do and the planner, asked on this very map, found nothing.
   bool finished() const {
     for (const Agent& a : agents_)
-      if (a.phase != Phase::waiting || !a.route.empty() || !a.motion.at_rest()) return false;
-    return planned_revision_ == map_.revision() || time_ > last_work_ + kPatience;
+      if (a.phase != Phase::waiting || !a.route.empty() || !a.motion.standing()) return false;
+    return planned_revision_ == known_.grid().revision() || time_ > last_work_ + kPatience;
   }
 
   // -- motion ------------------------------------------------------------------------------------
   void move() {
-    std::vector<TrafficState> states;
-    for (std::size_t r = 0; r < agents_.size(); ++r)
-      states.push_back(traffic_state(r));
     for (std::size_t r = 0; r < agents_.size(); ++r) {
       Agent& a = agents_[r];
       if (!a.route.empty()) last_work_ = time_;
-      step(r, states);
-      fleet_[r] = a.motion.configuration();
+      if (a.phase == Phase::scanning && (a.quarters == 0 || a.motion.finished())) {
+        if (++a.quarters > 4)
+          a.phase = Phase::waiting;
+        else
+          a.motion.follow(std::span<const Point3>(&fleet_[r].position, 1),
+                          fleet_[r].yaw + 0.5 * kPi);
+      }
+      if (a.phase == Phase::flying && options_.watchful) a.watch_yaw = where_to_look(r);
+      fleet_[r] = a.motion.advance(options_.image_period);
+      if (a.phase == Phase::flying && a.motion.finished()) a.phase = Phase::looking;
     }
   }
-  void step(std::size_t r, std::span<const TrafficState> states);
-  TrafficState traffic_state(std::size_t r) const;
+  /// The heading with the most incomplete surface in view from here; near the goal, the goal's.
+  double where_to_look(std::size_t r) {
+    const Agent& a = agents_[r];
+    const Configuration& goal = a.route.front().configuration;
+    const double turning = kPi / options_.limits.yaw_rate + 0.5;
+    if (polyline_length(a.motion.remaining()) < turning * options_.limits.speed) return goal.yaw;
+    std::vector<SightTarget> near;
+    const double reach = 0.85 * options_.camera.max_range;
+    for (const IncompleteElement& e : work())
+      if ((e.position - fleet_[r].position).squaredNorm() < reach * reach)
+        near.push_back({e.position, e.direction, 1.0, 2});
+    if (near.empty()) return goal.yaw;
+    const SightTargets targets(std::move(near), observed_, options_.camera,
+                               options_.T_body_camera, {.max_distance = reach});
+    const std::vector<char> none(targets.size(), 0);
+    const auto worth =
+        worth_by_heading(targets, targets.seen_from(fleet_[r].position), none);
+    const auto best = std::max_element(worth.begin(), worth.end());
+    return *best > 0.0 ? heading_angle(static_cast<int>(best - worth.begin())) : goal.yaw;
+  }
 
   // -- records -----------------------------------------------------------------------------------
   void record() {

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+/// @file  The planners that the binaries know by name.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/fleet/tour_planner.hpp>
+
+namespace surfleet::examples {
+/// Any fleet planner behind one type, so that a mission is compiled once.
+struct AnyPlanner {
+  std::function<PlanResult(const PlanRequest&)> plan;
+  PlanResult operator()(const PlanRequest& request) { return plan(request); }
+
+  template <FleetPlanner P>
+  static AnyPlanner of(P planner) {
+    auto shared = std::make_shared<P>(std::move(planner));
+    return {[shared](const PlanRequest& request) { return (*shared)(request); }};
+  }
+};
+
+inline const std::vector<std::string>& planner_names() {
+  static const std::vector<std::string> names{"surfleet", "tsga",     "nnb",  "tsga-async",
+                                              "tsga-improved", "makespan", "rate", "tours"};
+  return names;
+}
+
+/// Throws `Error` for a name not in `planner_names()`.
+inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& tours,
+                               const RatePlannerOptions& rate) {
+  TourPlannerOptions asynchronous = tours;
+  asynchronous.asynchronous = true;
+  if (name == "tsga") return AnyPlanner::of(TsgaPlanner(tours));
+  if (name == "nnb") return AnyPlanner::of(NnbPlanner(asynchronous));
+  if (name == "tsga-async") return AnyPlanner::of(TsgaPlanner(asynchronous));
+  if (name == "tsga-improved") return AnyPlanner::of(ImprovedTsgaPlanner(tours));
+  if (name == "makespan" || name == "tours") return AnyPlanner::of(MakespanPlanner(tours));
+  if (name == "rate") return AnyPlanner::of(RatePlanner(rate));
+  if (name == "surfleet")
+    return AnyPlanner::of(
+        RateThenTours<RatePlanner, MakespanPlanner>(RatePlanner(rate), MakespanPlanner(tours)));
+  std::string known;
+  for (const std::string& n : planner_names()) known += (known.empty() ? "" : ", ") + n;
+  throw Error("planner " + std::string(name) + ": not known; expected one of " + known);
+}
+}  // namespace surfleet::examples
