@@ -60,7 +60,7 @@ class TangentBug {
 
   /// Moves the robot by up to `distance` [m] along its path; less only when it arrives.
   void advance(double distance) {
-    for (int idle = 0; distance > 0.0 && !arrived();) {
+    for (int idle = 0; distance > 1e-3 * eps_ && !arrived();) {
       const Point2 before = position_;
       switch (phase_) {
         case Phase::ToGoal:
@@ -143,7 +143,11 @@ class TangentBug {
     const double wanted = std::min(to(position_), std::max(options_.range, eps_));
     if (free >= wanted - 0.5 * eps_) {
       waypoint_.reset();
-      move_towards(goal_, std::min(distance, std::max(free, 0.0)));
+      // A contact sensor stops the robot where it touches something, not before.
+      const double clear = options_.range > eps_ ? free
+                                                 : free_distance(*domain_, position_,
+                                                                 (goal_ - position_).normalized());
+      move_towards(goal_, std::min(distance, std::max(clear, free)));
       return;
     }
     if (!waypoint_) waypoint_ = best_node(to(position_));

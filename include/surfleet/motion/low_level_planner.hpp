@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+/// @file  The checks a robot makes on its way [000 §2.5.3, 3.5.2, Alg. 1 and 3].
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/motion/free_space.hpp>
+
+namespace surfleet {
+/// Whether enough of what a plan set out to complete is done for a new plan to pay.
+struct UtilityCheck {
+  double threshold = 0.8;  ///< c_thres: share of the initial incomplete elements, in (0, 1].
+
+  /// `initial` elements when the plan was made, `left` of them still incomplete. A plan without
+  /// any is always done.
+  bool operator()(std::size_t initial, std::size_t left) const {
+    const std::size_t done = initial - std::min(left, initial);
+    return static_cast<double>(done) >= threshold * static_cast<double>(initial);
+  }
+};
+
+/// Whether a configuration has been reached.
+struct GoalCheck {
+  double position_tolerance = 0.05;     ///< [m]
+  double yaw_tolerance = radians(2.0);  ///< [rad]
+
+  bool operator()(const Configuration& at, const Configuration& goal) const {
+    return (at.position - goal.position).norm() <= position_tolerance &&
+           std::abs(wrap_angle(at.yaw - goal.yaw)) <= yaw_tolerance;
+  }
+};
+
+/// Whether the way ahead has become blocked so near that the robot must stop now.
+struct ObstacleCheck {
+  double lookahead = 0.5;  ///< Checked beyond the braking distance [m].
+  /// How far an obstacle may reach into the required distance before it counts [m]: less than the
+  /// free space's margin, so that noise in a voxel beside the path does not stop the robot while
+  /// the body's radius is still kept.
+  double tolerance = 0.1;
+
+  /// How far along `ahead`, which begins at the robot, the way is blocked, if that is within reach.
+  /// A way that leads out of a blocked place is not held against it: what counts is coming closer.
+  std::optional<double> operator()(const FreeSpace& space, std::span<const Point3> ahead,
+                                   double stopping_distance) const {
+    if (ahead.size() < 2) return std::nullopt;
+    const double step = space.voxel_size() / 3.0;
+    auto read = space.probe();
+    const double here = std::min(read.slack(ahead[0]), 0.0);
+    double way = 0.0;
+    const double reach = stopping_distance + lookahead;
+    for (std::size_t i = 1; i < ahead.size() && way < reach; ++i) {
+      const Eigen::Vector3d leg = ahead[i] - ahead[i - 1];
+      const double length = leg.norm();
+      const int parts = std::max(1, static_cast<int>(std::ceil(length / step)));
+      for (int k = 1; k <= parts; ++k) {
+        const double at = way + length * k / parts;
+        if (at > reach + step) return std::nullopt;
+        const Point3 p = ahead[i - 1] + leg * (static_cast<double>(k) / parts);
+        if (read.slack(p) < here - tolerance) return at;
+      }
+      way += length;
+    }
+    return std::nullopt;
+  }
+
+  /// The same for a body of any shape that keeps its heading along the path: whether an obstacle
+  /// voxel reaches it at `q`.
+  template <CollisionBody Body>
+  bool reaches(const FreeSpace& space, const Body& body, const Configuration& q) const {
+    return !is_body_free(space, body, q);
+  }
+};
+}  // namespace surfleet

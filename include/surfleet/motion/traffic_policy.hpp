@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+/// @file  Who goes, who waits and who steps aside when robots meet [000 §3.5.2 item 5].
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/types.hpp>
+
+namespace surfleet {
+/// What a robot tells its teammates about its motion.
+struct TrafficAgent {
+  int id = 0;             ///< Unique; decides between equal priorities, the lower goes first.
+  double priority = 0.0;  ///< The higher goes first.
+  Point3 position = Point3::Zero();
+  std::vector<Point3> path{};  ///< Still ahead, from `position` on; may be empty.
+  double radius = 1.0;         ///< Of the body [m].
+  double speed = 0.6;          ///< Its cruising speed [m/s].
+  bool idle = false;           ///< Has no task: gives way to everyone who has.
+  bool cornered = false;       ///< Could not give way: everyone gives way to it.
+};
+
+/// What a robot should do now.
+struct Maneuver {
+  enum class Kind { none, stop, step_aside };
+  Kind kind = Kind::none;
+  Point3 target = Point3::Zero();  ///< Where to step aside to, straight.
+  int because_of = -1;             ///< The teammate's id.
+};
+
+struct TrafficOptions {
+  double clearance = 0.5;       ///< Kept between bodies where there is a choice [m].
+  double least_gap = 0.05;      ///< Kept between bodies always [m].
+  double horizon = 15.0;        ///< How far ahead paths are compared [s].
+  double period = 0.2;          ///< The longest time between two decisions [s].
+  double braking = 1.5;         ///< Of the emergency stop [m/s²].
+  double longest_step = 8.0;    ///< How far a robot steps aside [m].
+  double cornered_time = 30.0;  ///< How long a cornered robot keeps the right of way [s].
+};
+
+namespace detail {
+/// The point `way` metres along a polyline, or its end.
+inline Point3 point_along(std::span<const Point3> path, double way) {
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double leg = (path[i] - path[i - 1]).norm();
+    if (way <= leg && leg > 0.0) return path[i - 1] + (path[i] - path[i - 1]) * (way / leg);
+    way -= leg;
+  }
+  return path.back();
+}
+/// The first `way` metres of a polyline.
+inline std::vector<Point3> head_of(std::span<const Point3> path, double way) {
+  std::vector<Point3> head{path.front()};
+  for (std::size_t i = 1; i < path.size() && way > 0.0; ++i) {
+    const double leg = (path[i] - path[i - 1]).norm();
+    head.push_back(way >= leg ? path[i]
+                              : Point3(path[i - 1] + (path[i] - path[i - 1]) * (way / leg)));
+    way -= leg;
+  }
+  return head;
+}
+/// Distance between the segments ab and cd.
+inline double segment_distance(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
+  const Eigen::Vector3d u = b - a, v = d - c, w = a - c;
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w),
+               vw = v.dot(w), det = uu * vv - uv * uv;
+  double s = det > 1e-12 * uu * vv ? std::clamp((uv * vw - vv * uw) / det, 0.0, 1.0) : 0.0;
+  double t = vv > 0.0 ? (uv * s + vw) / vv : 0.0;
+  if (t < 0.0 || t > 1.0) {
+    t = std::clamp(t, 0.0, 1.0);
+    s = uu > 0.0 ? std::clamp((uv * t - uw) / uu, 0.0, 1.0) : 0.0;
+  }
+  return (w + s * u - t * v).norm();
+}
+inline double polyline_distance(std::span<const Point3> p, std::span<const Point3> q) {
+  double best = std::numeric_limits<double>::infinity();
+  const auto last = [](std::span<const Point3> x, std::size_t i) {
+    return std::min(i + 1, x.size() - 1);
+  };
+  for (std::size_t i = 0; i + (p.size() > 1 ? 1 : 0) < p.size(); ++i)
+    for (std::size_t k = 0; k + (q.size() > 1 ? 1 : 0) < q.size(); ++k)
+      best = std::min(best, segment_distance(p[i], p[last(p, i)], q[k], q[last(q, k)]));
+  return best;
+}
+}  // namespace detail
+
+/// One robot's view of the traffic; every robot runs its own, on what the others tell.
+///
+/// Right of way: cornered robots, then those with a task, then the higher priority, then the lower
+/// id. A robot whose way and a senior's come closer than the clearance allows, at the times they
+/// would be there, waits if it is out of the senior's way where it stands, else steps aside to the
+/// nearest free place that is; without any it stays, says it is cornered and has the right of way
+/// for a while. Whatever the rank, no robot closes in on another so far that both could not brake:
+/// two robots that both keep this rule never touch, the senior included. The highest-ranked robot
+/// waits for no one who can make room, so it arrives; then the next one does.
+class TrafficPolicy {
+ public:
+  TrafficOptions options;
+
+  explicit TrafficPolicy(TrafficOptions o = {}) : options(o) {
+    require(o.clearance >= o.least_gap && o.least_gap >= 0.0 && o.horizon > 0.0 && o.period > 0.0 &&
+                o.braking > 0.0,
+            "traffic settings: expected clearance >= least_gap >= 0 and positive times");
+  }
+
+  /// Decides for `self`, whose path is the one it wants to take, at time `now` [s].
+  /// `free(a, b)` tells whether the segment is free of obstacles. O(others · horizon), more when it
+  /// has to look for a place.
+  template <typename Free>
+  Maneuver operator()(const TrafficAgent& self, std::span<const TrafficAgent> others,
+                      const Free& free, double now) {
+    TrafficAgent me = self;
+    me.cornered = cornered(now);
+    Maneuver none;
+    const TrafficAgent* conflict = nullptr;
+    bool in_the_way = false;
+    for (const TrafficAgent& o : others) {
+      if (o.id == me.id || !before(o, me)) continue;
+      const double keep = me.radius + o.radius + options.clearance;
+      if (comes_closer(me, o, keep, false) && conflict == nullptr) conflict = &o;
+      if (comes_closer(me, o, keep - 0.2 * options.clearance, true)) {
+        if (!in_the_way) conflict = &o;
+        in_the_way = true;
+      }
+    }
+    if (in_the_way) {
+      if (const auto target = place_aside(me, others, free); target.second)
+        return {Maneuver::Kind::step_aside, target.first, conflict->id};
+      cornered_until_ = now + options.cornered_time;
+      return {Maneuver::Kind::stop, me.position, conflict->id};
+    }
+    if (conflict != nullptr) return {Maneuver::Kind::stop, me.position, conflict->id};
+    if (const int id = too_close(me, others); id >= 0)
+      return {Maneuver::Kind::stop, me.position, id};
+    return none;
+  }
+
+  /// Whether to tell the others that this robot is cornered.
+  bool cornered(double now) const { return now < cornered_until_; }
+
+  /// The rule above all: the id of a teammate that `self` must not come any closer to on its path,
+  /// whatever it is on its way for, or −1. To be asked every `period` while moving.
+  int too_close(const TrafficAgent& self, std::span<const TrafficAgent> others) const {
+    if (self.path.size() < 2) return -1;
+    const auto reach = [&](const TrafficAgent& a) {
+      return a.path.size() < 2
+                 ? std::vector<Point3>{a.position}
+                 : detail::head_of(a.path, a.speed * options.period +
+                                               0.5 * a.speed * a.speed / options.braking);
+    };
+    const auto mine = reach(self);
+    for (const TrafficAgent& o : others) {
+      if (o.id == self.id) continue;
+      const double gap = self.radius + o.radius + options.least_gap;
+      if (detail::polyline_distance(mine, reach(o)) >= gap) continue;
+      bool closing = false;
+      for (std::size_t i = 1; i < mine.size(); ++i)
+        closing = closing || (mine[i] - mine[i - 1]).dot(o.position - mine[i - 1]) > 0.0;
+      if (closing) return o.id;
+    }
+    return -1;
+  }
+
+ private:
+  static bool before(const TrafficAgent& a, const TrafficAgent& b) {
+    if (a.cornered != b.cornered) return a.cornered;
+    if (a.idle != b.idle) return b.idle;
+    if (a.priority != b.priority) return a.priority > b.priority;
+    return a.id < b.id;
+  }
+  /// Whether the two come closer than `keep`, and closer than they are, within the horizon, each
+  /// going on along its path, or with `me` standing.
+  bool comes_closer(const TrafficAgent& me, const TrafficAgent& o, double keep,
+                    bool standing) const {
+    const double now = (me.position - o.position).norm();
+    const double limit = std::min(keep, now - 1e-3);
+    constexpr double kStep = 0.25;
+    for (double t = kStep; t <= options.horizon; t += kStep) {
+      const Point3 p =
+          standing || me.path.size() < 2 ? me.position : detail::point_along(me.path, me.speed * t);
+      const Point3 q = o.path.size() < 2 ? o.position : detail::point_along(o.path, o.speed * t);
+      if ((p - q).norm() < limit) return true;
+    }
+    return false;
+  }
+  template <typename Free>
+  std::pair<Point3, bool> place_aside(const TrafficAgent& me, std::span<const TrafficAgent> others,
+                                      const Free& free) const {
+    std::vector<std::vector<Point3>> ways(others.size());
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      const TrafficAgent& o = others[i];
+      ways[i] = o.path.size() < 2 || !before(o, me)
+                    ? std::vector<Point3>{o.position}
+                    : detail::head_of(o.path, o.speed * options.horizon);
+    }
+    for (double distance = 0.5; distance <= options.longest_step; distance += 0.5)
+      for (int k = 0; k < 40; ++k) {
+        // 16 directions in the plane, 12 above and 12 below it.
+        const int ring = k < 16 ? 16 : 12;
+        const double elevation = k < 16 ? 0.0 : k < 28 ? 0.8 : -0.8;
+        const double azimuth = 2.0 * kPi * (k < 16 ? k : (k - 16) % 12) / ring;
+        const Point3 target =
+            me.position + distance * Point3(std::cos(azimuth) * std::cos(elevation),
+                                            std::sin(azimuth) * std::cos(elevation),
+                                            std::sin(elevation));
+        bool good = true;
+        for (std::size_t i = 0; good && i < others.size(); ++i) {
+          const TrafficAgent& o = others[i];
+          if (o.id == me.id) continue;
+          const double gap = me.radius + o.radius + options.least_gap;
+          const double keep = before(o, me) ? me.radius + o.radius + options.clearance : gap;
+          const std::array<Point3, 1> end{target};
+          const std::array<Point3, 2> move{me.position, target};
+          const std::array<Point3, 1> there{o.position};
+          good = detail::polyline_distance(end, ways[i]) >= keep &&
+                 detail::polyline_distance(move, there) >=
+                     std::min(gap, (me.position - o.position).norm() - 1e-6);
+        }
+        if (good && free(me.position, target)) return {target, true};
+      }
+    return {me.position, false};
+  }
+
+  double cornered_until_ = -std::numeric_limits<double>::infinity();
+};
+}  // namespace surfleet
