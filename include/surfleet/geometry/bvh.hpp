@@ -64,6 +64,7 @@ class Bvh {
   std::optional<RayHit> cast(const Point3& origin, const Eigen::Vector3d& direction,
                              double t_max = std::numeric_limits<double>::infinity()) const {
     if (nodes_.empty()) return std::nullopt;
+    t_max = std::min(t_max, std::numeric_limits<double>::max());  // a missed box is at infinity
     const Eigen::Vector3d inverse = direction.cwiseInverse();
     std::optional<RayHit> best;
     std::array<std::pair<double, std::uint32_t>, kStack> stack;
@@ -100,6 +101,7 @@ class Bvh {
   void for_each_hit(const Point3& origin, const Eigen::Vector3d& direction, double t_max,
                     Visit&& visit) const {
     if (nodes_.empty()) return;
+    t_max = std::min(t_max, std::numeric_limits<double>::max());
     const Eigen::Vector3d inverse = direction.cwiseInverse();
     std::array<std::uint32_t, kStack> stack;
     std::size_t top = 0;

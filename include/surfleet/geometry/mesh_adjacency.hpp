@@ -182,6 +182,34 @@ inline MeshComponents connected_components(const TriangleMesh& mesh) {
   return result;
 }
 
+/// The connected parts of a mesh that are closed and consistently oriented on their own; the other
+/// parts, open or tangled, are left out. Vertices stay as they are.
+inline TriangleMesh closed_parts(const TriangleMesh& mesh) {
+  const MeshAdjacency adjacency(mesh);
+  const MeshComponents parts = connected_components(mesh);
+  std::vector<bool> closed(parts.count, true);
+  std::vector<int> balance(adjacency.edge_count(), 0);
+  const auto part_of = [&](std::int32_t triangle) {
+    return static_cast<std::size_t>(parts.of_triangle[static_cast<std::size_t>(triangle)]);
+  };
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t e = adjacency.edges_of_triangle(static_cast<std::int32_t>(t))[k];
+      if (e == MeshAdjacency::kNone) continue;  // a needle bounds nothing
+      const bool forward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
+      balance[static_cast<std::size_t>(e)] += forward ? 1 : -1;
+    }
+  for (std::size_t e = 0; e < balance.size(); ++e)
+    if (balance[e] != 0)
+      closed[part_of(adjacency.triangles_of_edge(static_cast<std::int32_t>(e))[0])] = false;
+  TriangleMesh result = mesh;
+  result.triangles.clear();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (closed[part_of(static_cast<std::int32_t>(t))])
+      result.triangles.push_back(mesh.triangles[t]);
+  return result;
+}
+
 /// Joins vertices that lie within `tolerance` [m] of one met before, drops the triangles that
 /// collapse and the vertices that nobody uses. A tolerance of 0 joins equal positions. Vertices
 /// keep their order; the first of a group gives position and attributes. O(n) expected.
