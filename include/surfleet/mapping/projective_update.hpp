@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <surfleet/mapping/detail/projective_view.hpp>
@@ -42,17 +43,16 @@ class ProjectiveUpdate {
     view_.set_slope_limit(options.max_slope);
     view_.T_world_camera = o.T_world_camera;
     const auto nearest = static_cast<float>(camera.min_range);
-    const float farthest = view_.z_limit;
-    const float beyond = options.carve_beyond_range && options.carve_free_space
-                             ? detail::kBeyondDepth
-                             : -detail::kBeyondDepth;
+    const float farthest =
+        options.carve_beyond_range && options.carve_free_space ? kFarthest : view_.z_limit;
     view_.fill(options.threads, [&](int v, float* out) {
       const float* in = o.image.depth.data() + o.image.index(0, v);
       for (int u = 0; u < camera.width; ++u) {
         const float d = in[u];
-        const bool measured = (d > 0.0F) & (d >= nearest) & (d < 3e38F);
-        const float within = d > farthest ? beyond : d;
-        out[u] = measured ? within : -detail::kBeyondDepth;
+        const bool measured =
+            (d > 0.0F) & (d >= nearest) & (d <= std::numeric_limits<float>::max());
+        const float near_enough = std::min(d, kFarthest);
+        out[u] = measured & (near_enough <= farthest) ? near_enough : detail::kNoDepth;
       }
     });
     return fold(view_, weight, options, map);
@@ -69,6 +69,8 @@ class ProjectiveUpdate {
   }
 
  private:
+  static constexpr float kFarthest = 1e7F;  ///< Greater depths count as this [m].
+
   template <WeightPolicy Weight>
   std::size_t fold(const detail::ProjectiveView& view, const Weight& weight,
                    const TsdfOptions& options, TsdfMap& map) {

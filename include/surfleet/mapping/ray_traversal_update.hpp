@@ -37,8 +37,7 @@ class RayTraversalUpdate {
           const Eigen::Vector3d ray =
               c.ray(static_cast<double>(i % row), static_cast<double>(i / row));
           const double stretch = ray.norm();
-          const bool beyond = static_cast<double>(d) > c.max_range;
-          return {ray / stretch, (beyond ? c.max_range : static_cast<double>(d)) * stretch, beyond};
+          return {ray / stretch, static_cast<double>(d) * stretch, c.max_range * stretch};
         },
         weight, options, map);
   }
@@ -51,8 +50,7 @@ class RayTraversalUpdate {
         [&](std::size_t i) -> Ray {
           const double range = o.points[i].norm();
           if (!(range > 0.0 && range >= o.min_range && std::isfinite(range))) return {};
-          const bool beyond = range > o.max_range;
-          return {o.points[i] / range, beyond ? o.max_range : range, beyond};
+          return {o.points[i] / range, range, o.max_range};
         },
         weight, options, map);
   }
@@ -61,7 +59,7 @@ class RayTraversalUpdate {
   struct Ray {
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< Sensor frame, unit length.
     double length = 0.0;                                  ///< [m]; 0 for no measurement.
-    bool beyond = false;                                  ///< Nothing was met up to the length.
+    double limit = 0.0;                                   ///< The sensor's range on this ray [m].
   };
   struct Sum {
     std::int64_t distance = 0;  ///< In units of µ / kUnit.
@@ -83,18 +81,18 @@ class RayTraversalUpdate {
       for (std::size_t i = part * rays / kParts; i < (part + 1) * rays / kParts; ++i) {
         const Ray ray = ray_at(i);
         if (ray.length <= 0.0) continue;
-        if (ray.beyond && !(options.carve_beyond_range && options.carve_free_space)) continue;
+        const bool beyond = ray.length > ray.limit;
+        if (beyond && !(options.carve_beyond_range && options.carve_free_space)) continue;
         const Eigen::Vector3d direction = T_world_sensor.linear() * ray.direction;
         const double first = options.carve_free_space ? 0.0 : std::max(0.0, ray.length - mu);
-        const double last = ray.beyond ? ray.length : ray.length + mu;
+        const double last = beyond ? ray.limit : ray.length + mu;
         const Point3 from = origin + first * direction, to = origin + last * direction;
         static_cast<void>(sums.index_of(from));
         static_cast<void>(sums.index_of(to));
         traverse_voxels(from, to, h, [&](const VoxelIndex& v) {
           const double along = (sums.center(v) - origin).dot(direction);
-          if (along <= 0.0) return true;
-          const double sdf =
-              ray.beyond ? (along <= ray.length ? mu : -2.0 * mu) : ray.length - along;
+          if (along <= 0.0 || (beyond && along > ray.limit)) return true;
+          const double sdf = ray.length - along;
           if (sdf <= -mu || (sdf >= mu && !options.carve_free_space)) return true;
           const BlockIndex b = SumGrid::block_of(v);
           if (block == nullptr || block->index != b) block = &sums.ensure_block(b);

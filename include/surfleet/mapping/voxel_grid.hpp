@@ -94,8 +94,7 @@ class VoxelGrid {
   static VoxelIndex index_in(const Block& block, std::size_t offset) {
     const int o = static_cast<int>(offset);
     constexpr int m = kSide - 1;
-    return block.origin() +
-           VoxelIndex(o & m, (o >> kBlockShift) & m, (o >> (2 * kBlockShift)) & m);
+    return block.origin() + VoxelIndex(o & m, (o >> kBlockShift) & m, (o >> (2 * kBlockShift)) & m);
   }
 
   // -- blocks ------------------------------------------------------------------------------------

@@ -15,8 +15,8 @@
 #include <surfleet/mapping/update_policy.hpp>
 
 namespace surfleet::detail {
-/// Depth that stands for "nothing met up to the range" and, negative, for "no measurement".
-inline constexpr float kBeyondDepth = 1e8F;
+/// Depth that stands for "no measurement"; no measured depth is as large.
+inline constexpr float kNoDepth = -1e8F;
 /// Points nearer to the camera's plane than this belong to no view [m].
 inline constexpr float kNearPlane = 1e-3F;
 
@@ -26,8 +26,8 @@ struct ProjectiveView {
   int width = 0, height = 0;
   int margin = 0;  ///< Outer pixels that serve interpolation only: no voxel is theirs.
   float fx = 1, fy = 1, cx = 0, cy = 0;
-  float z_limit = 0;      ///< Nothing is carved at greater depth [m].
-  float range_limit = 0;  ///< Nothing is carved at greater distance from the sensor [m].
+  float z_limit = 0;                     ///< Nothing at greater depth is a surface or carved [m].
+  float range_limit = 0;                 ///< The same for the distance from the sensor [m].
   float max_step_u = 0, max_step_v = 0;  ///< Relative change of inverse depth from pixel to pixel
                                          ///< up to which they count as one surface.
   Pose T_world_camera = Pose::Identity();
@@ -41,13 +41,12 @@ struct ProjectiveView {
     max_step_u = static_cast<float>(max_slope) / fx;
     max_step_v = static_cast<float>(max_slope) / fy;
   }
-  /// Sets the size, then fills every pixel by `depth_at(u, v)`, whose result is a depth, or
-  /// ±`kBeyondDepth`.
+  /// Sets the size and asks `depth_row(v, out)` for the depths of every row.
   template <typename DepthRow>
   void fill(int threads, DepthRow&& depth_row) {
     inverse_depth.resize(pixels() + 1);
     depth_.resize(pixels());
-    inverse_depth.back() = -1.0F / kBeyondDepth;
+    inverse_depth.back() = 1.0F / kNoDepth;
     pyramid.resize(width, height);
     parallel_for(
         static_cast<std::size_t>(pyramid.tile_rows()), threads,
@@ -204,7 +203,7 @@ class BlockObserver {
                 const BlockIndex& block)
       : view_(view),
         truncation_(static_cast<float>(options.truncation)),
-        refine_(static_cast<float>(std::min(options.truncation, 2.0 * voxel_size))),
+        half_voxel_(static_cast<float>(0.5 * voxel_size)),
         carve_(options.carve_free_space) {
     // In double as far as the block, so that precision does not fade away from the origin.
     const Eigen::Matrix3d R = view.T_world_camera.linear().transpose() * voxel_size;
@@ -260,50 +259,91 @@ class BlockObserver {
     }
     for (std::size_t i = 0; i < kSlice; ++i)
       inverse[i] = view_.inverse_depth[static_cast<std::size_t>(pixel[i])];
-    // Along the ray: the difference of depths, scaled by the ray's length at unit depth.
+    // Along the ray: the difference of depths, scaled by the ray's length at unit depth. A surface
+    // beyond the range counts as far as the range goes, so never from behind.
     float any = 0.0F;
-    const float range2 = view_.range_limit * view_.range_limit;
-    const float carve = carve_ ? 1.0F : 0.0F;
+    const float carve_from = carve_ ? std::numeric_limits<float>::max() : truncation_;
     for (std::size_t i = 0; i < kSlice; ++i) {
-      const float stretch = std::sqrt(squared_range[i]) / std::max(depth[i], kNearPlane);
-      const float d = (1.0F / inverse[i] - depth[i]) * stretch;
-      const bool reached = (depth[i] <= view_.z_limit) & (squared_range[i] <= range2);
-      const float ahead = d >= truncation_ ? (reached ? carve : 0.0F) : 0.0F;
-      const float band = std::abs(d) < truncation_ ? 1.0F : 0.0F;
+      const float range = std::sqrt(squared_range[i]);
+      const float surface = 1.0F / inverse[i];
+      const float d = (surface - depth[i]) * (range / std::max(depth[i], kNearPlane));
+      const bool in_range = (depth[i] <= view_.z_limit) & (range <= view_.range_limit);
+      const bool measured = (surface <= view_.z_limit) & (range + d <= view_.range_limit);
+      const bool front = in_range & (d > 0.0F) & (d < carve_from);
+      const bool band = measured & (std::abs(d) < truncation_);
       sdf[i] = std::min(d, truncation_);
-      seen[i] = ahead + band;
+      seen[i] = front | band ? 1.0F : 0.0F;
       any += seen[i];
     }
     if (any == 0.0F) return false;
     for (std::size_t i = 0; i < kSlice; ++i)
-      if (std::abs(sdf[i]) < refine_) refine(i, u[i], v[i], depth[i]);
+      if ((std::abs(sdf[i]) < truncation_) & (seen[i] > 0.0F)) refine(i, u[i], v[i], depth[i]);
     return true;
   }
 
  private:
-  /// Interpolates between the four pixels around, where they show one surface. Across a jump of
-  /// depth the nearest pixel stands, so that edges are not smeared.
+  /// Interpolates between the four pixels around, where they show one surface, and turns the
+  /// distance along the ray into the distance to the surface's tangent plane. Beside a jump of
+  /// depth the nearest pixel's own surface is continued, so that edges are not smeared.
   void refine(std::size_t i, float u, float v, float depth) {
+    const auto nu = static_cast<std::int32_t>(u + 0.5F), nv = static_cast<std::int32_t>(v + 0.5F);
+    const float* pixel =
+        view_.inverse_depth.data() + static_cast<std::ptrdiff_t>(nv) * view_.width + nu;
+    // The plane q · p = 1 through the surface point, from slopes over half a voxel's width.
+    const float pixels = half_voxel_ * *pixel;
+    const float gu = slope(pixel, nu, view_.width, 1, pixels * view_.fx, view_.max_step_u);
+    const float gv =
+        slope(pixel, nv, view_.height, view_.width, pixels * view_.fy, view_.max_step_v);
+    float surface = *pixel + gu * (u - static_cast<float>(nu)) + gv * (v - static_cast<float>(nv));
+
     const auto u0 = static_cast<std::int32_t>(std::max(u, 0.0F));
     const auto v0 = static_cast<std::int32_t>(std::max(v, 0.0F));
-    if (u < 0.0F || v < 0.0F || u0 + 1 >= view_.width || v0 + 1 >= view_.height) return;
-    const float* row =
-        view_.inverse_depth.data() + static_cast<std::ptrdiff_t>(v0) * view_.width + u0;
-    const float a = row[0], b = row[1], c = row[view_.width], d = row[view_.width + 1];
-    const float low = std::min(std::min(a, b), std::min(c, d));
-    const float high = std::max(std::max(a, b), std::max(c, d));
-    const bool smooth =
-        (low > 2.0F / kBeyondDepth) & (high - low <= (view_.max_step_u + view_.max_step_v) * high);
-    if (!smooth) return;
-    const float s = u - static_cast<float>(u0), t = v - static_cast<float>(v0);
-    const float top = a + (b - a) * s, bottom = c + (d - c) * s;
-    const float stretch = std::sqrt(squared_range[i]) / depth;
-    const float refined = (1.0F / (top + (bottom - top) * t) - depth) * stretch;
-    sdf[i] = std::clamp(refined, -truncation_, truncation_);
+    if (u >= 0.0F && v >= 0.0F && u0 + 1 < view_.width && v0 + 1 < view_.height) {
+      const float* row =
+          view_.inverse_depth.data() + static_cast<std::ptrdiff_t>(v0) * view_.width + u0;
+      const float a = row[0], b = row[1], c = row[view_.width], d = row[view_.width + 1];
+      const float low = std::min(std::min(a, b), std::min(c, d));
+      const float high = std::max(std::max(a, b), std::max(c, d));
+      if ((low > 0.0F) & (high - low <= (view_.max_step_u + view_.max_step_v) * high)) {
+        const float s = u - static_cast<float>(u0), t = v - static_cast<float>(v0);
+        const float top = a + (b - a) * s, bottom = c + (d - c) * s;
+        surface = top + (bottom - top) * t;
+      }
+    }
+    const float qx = gu * view_.fx, qy = gv * view_.fy;
+    const float qz = surface - gu * (u - view_.cx) - gv * (v - view_.cy);
+    const float distance = (1.0F - depth * surface) / std::sqrt(qx * qx + qy * qy + qz * qz);
+    sdf[i] = std::clamp(distance, -truncation_, truncation_);
+  }
+
+  /// Change of inverse depth a pixel along one image axis, from `at`, whose coordinate on it is
+  /// `x`, to `reach` pixels either side; the straighter side counts more, so that beside a crease
+  /// the surface the pixel lies on prevails. 0 if neither side continues the surface.
+  static float slope(const float* at, std::int32_t x, std::int32_t size, std::int32_t stride,
+                     float reach, float max_step) {
+    const std::int32_t n = std::clamp(static_cast<std::int32_t>(reach + 0.5F), 1, 64);
+    const std::int32_t half = (n + 1) / 2;
+    const float center = *at;
+    float sum = 0.0F, weights = 0.0F;
+    for (const std::int32_t side : {-1, 1}) {
+      const std::int32_t end = x + side * n;
+      if (end < 0 || end >= size) continue;
+      const float far = at[side * n * stride], near = at[side * half * stride];
+      const float rise = (far - center) / static_cast<float>(n);
+      const float start = (near - center) / static_cast<float>(half);
+      if (!((far > 0.0F) & (near > 0.0F) & (std::abs(rise) <= max_step * center) &
+            (std::abs(start) <= max_step * center)))
+        continue;
+      const float bend = std::abs(rise - start) / (max_step * center) + 1e-3F;
+      const float weight = 1.0F / (bend * bend);
+      sum += weight * rise * static_cast<float>(side);
+      weights += weight;
+    }
+    return weights > 0.0F ? sum / weights : 0.0F;
   }
 
   const ProjectiveView& view_;
-  float truncation_, refine_;
+  float truncation_, half_voxel_;
   bool carve_;
   Eigen::Vector3f start_;
   Eigen::Matrix3f step_;

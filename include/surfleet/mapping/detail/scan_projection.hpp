@@ -111,15 +111,14 @@ class ScanProjection {
 
   static Located locate(const Point3& p, double near2, double far2, bool beyond) {
     const double r2 = p.squaredNorm();
-    if (!(r2 >= near2 && r2 > 0.0 && r2 < 1e30)) return {-1, 0, 0, 0};
+    if (!(r2 >= near2 && r2 > 0.0 && r2 < 1e14)) return {-1, 0, 0, 0};
     if (r2 > far2 && !beyond) return {-1, 0, 0, 0};
     int axis = 0;
     p.cwiseAbs().maxCoeff(&axis);
     const int face = 2 * axis + (p[axis] < 0.0 ? 1 : 0);
     const double z = std::abs(p[axis]), sign = p[axis] < 0.0 ? -1.0 : 1.0;
     return {face, static_cast<float>(p[(axis + 1) % 3] / z),
-            static_cast<float>(sign * p[(axis + 2) % 3] / z),
-            r2 > far2 ? 1.0F / kBeyondDepth : static_cast<float>(1.0 / z)};
+            static_cast<float>(sign * p[(axis + 2) % 3] / z), static_cast<float>(1.0 / z)};
   }
 
   void bin(const TsdfOptions& options) {
@@ -142,7 +141,7 @@ class ScanProjection {
           if (q.z() < 0.5F || std::max(std::abs(q.x()), std::abs(q.y())) > q.z() * reach) continue;
           x = q.x() / q.z();
           y = q.y() / q.z();
-          if (inverse > 2.0F / kBeyondDepth) inverse /= q.z();
+          inverse /= q.z();
         }
         const float u = x * focal() + center(), v = y * focal() + center();
         const int iu = static_cast<int>(u + 0.5F), iv = static_cast<int>(v + 0.5F);
@@ -160,9 +159,9 @@ class ScanProjection {
     });
   }
 
-  /// Inverse depth at the centre of pixel (u, v); −1 / `kBeyondDepth` where nothing is known.
+  /// Inverse depth at the centre of pixel (u, v); 1 / `kNoDepth` where nothing is known.
   float fit(const std::vector<Sample>& samples, int u, int v, float step) const {
-    constexpr float kNothing = -1.0F / kBeyondDepth;
+    constexpr float kNothing = 1.0F / kNoDepth;
     const int n = side_ + 2 * kMargin;
     const auto at = [&](int x, int y) -> const Sample& {
       return samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(n) +
@@ -185,8 +184,6 @@ class ScanProjection {
       }
       if (own.inverse == 0.0F) return kNothing;
     }
-    if (own.inverse < 2.0F / kBeyondDepth) return own.inverse;
-
     float sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sz = 0, sxz = 0, syz = 0;
     float low = own.inverse, high = own.inverse;
     const float limit = step * static_cast<float>(radius + 1) * own.inverse;
