@@ -27,7 +27,7 @@ struct AnyPlanner {
 };
 
 inline const std::vector<std::string>& planner_names() {
-  static const std::vector<std::string> names{"surfleet", "tsga",     "nnb",  "tsga-async",
+  static const std::vector<std::string> names{"surfleet",      "tsga",     "nnb",  "tsga-async",
                                               "tsga-improved", "makespan", "rate", "tours"};
   return names;
 }

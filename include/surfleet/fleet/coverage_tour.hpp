@@ -27,19 +27,19 @@
 namespace surfleet {
 /// Samples of a surface; three arrays of one length.
 struct KnownSurface {
-  std::span<const Point3> points;           ///< [m]
-  std::span<const Eigen::Vector3d> normals; ///< Unit, towards where it is seen from.
-  std::span<const double> areas;            ///< What each stands for [m²].
+  std::span<const Point3> points;            ///< [m]
+  std::span<const Eigen::Vector3d> normals;  ///< Unit, towards where it is seen from.
+  std::span<const double> areas;             ///< What each stands for [m²].
 };
 
 struct CoverageTourOptions {
-  double coverage = 0.95;        ///< Share to be seen of what can be seen.
-  double spacing = 1.5;          ///< Of the lattice of candidate positions [m].
-  double stop_cost = 1.0;        ///< Added to a viewpoint's insertion, so that few are taken [m].
-  double max_incidence = 1.4;    ///< Greatest angle between the normal and the line of sight [rad].
-  double max_distance = 0.0;     ///< Farthest look that counts [m]; 0: the camera's range.
-  double image_spacing = 1.0;    ///< Between the looks on the way [m].
-  int rounds = 3;                ///< Of dropping, re-inserting and re-ordering.
+  double coverage = 0.95;      ///< Share to be seen of what can be seen.
+  double spacing = 1.5;        ///< Of the lattice of candidate positions [m].
+  double stop_cost = 1.0;      ///< Added to a viewpoint's insertion, so that few are taken [m].
+  double max_incidence = 1.4;  ///< Greatest angle between the normal and the line of sight [rad].
+  double max_distance = 0.0;   ///< Farthest look that counts [m]; 0: the camera's range.
+  double image_spacing = 1.0;  ///< Between the looks on the way [m].
+  int rounds = 3;              ///< Of dropping, re-inserting and re-ordering.
 };
 
 struct CoverageTour {
@@ -57,11 +57,15 @@ template <RayCaster Caster>
 class CoverageTourPlanner {
  public:
   CoverageTourPlanner(const KnownSurface& surface, const Caster& caster, const FreeSpace& space,
-                      LazyPrmStar& roadmap, const PinholeCamera& camera,
-                      const Pose& T_body_camera, const Configuration& start,
-                      const CoverageTourOptions& options)
-      : surface_(surface), caster_(caster), space_(space), roadmap_(roadmap), camera_(camera),
-        start_(start), options_(options) {
+                      LazyPrmStar& roadmap, const PinholeCamera& camera, const Pose& T_body_camera,
+                      const Configuration& start, const CoverageTourOptions& options)
+      : surface_(surface),
+        caster_(caster),
+        space_(space),
+        roadmap_(roadmap),
+        camera_(camera),
+        start_(start),
+        options_(options) {
     const double range = options.max_distance > 0.0 ? options.max_distance : camera.max_range;
     range_ = std::min(range, camera.max_range * 1.8);
     for (int k = 0; k < kHeadings; ++k)
@@ -245,7 +249,8 @@ class CoverageTourPlanner {
     TourProblem problem{.costs = CostMatrix(n), .open = true, .start = 0};
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < i; ++j) {
-        const Point3 &a = place(static_cast<std::size_t>(i)), &b = place(static_cast<std::size_t>(j));
+        const Point3 &a = place(static_cast<std::size_t>(i)),
+                     &b = place(static_cast<std::size_t>(j));
         const double straight = (a - b).norm();
         // Far pairs never become neighbours of a good tour; their straight line will do.
         const double length = straight < 5.0 * range_ ? distance(a, b) : 1.3 * straight;
@@ -339,10 +344,10 @@ class CoverageTourPlanner {
 }  // namespace detail
 
 /// Chooses viewpoints by new area per metre inserted into the tour, improves the order by
-/// Lin-Kernighan over roadmap lengths, counts what is seen on the way, drops what became useless, and
-/// fills up again. Candidates are the nodes of a lattice that can be reached from the start, with
-/// sixteen headings each. It is what an engineer with a model of the structure would fly, and the
-/// yardstick for planners that have none.
+/// Lin-Kernighan over roadmap lengths, counts what is seen on the way, drops what became useless,
+/// and fills up again. Candidates are the nodes of a lattice that can be reached from the start,
+/// with sixteen headings each. It is what an engineer with a model of the structure would fly, and
+/// the yardstick for planners that have none.
 ///
 /// O(candidates · samples in view) for the sightings and O(stops · candidates) for the choice.
 template <RayCaster Caster>
@@ -357,8 +362,8 @@ CoverageTour plan_coverage_tour(const KnownSurface& surface, const Caster& caste
   require(options.coverage > 0.0 && options.coverage <= 1.0 && options.spacing > 0.0 &&
               options.image_spacing > 0.0 && options.stop_cost > 0.0,
           "coverage tour: expected a share in (0, 1] and lengths above 0");
-  return detail::CoverageTourPlanner<Caster>(surface, caster, space, roadmap, camera,
-                                             T_body_camera, start, options)
+  return detail::CoverageTourPlanner<Caster>(surface, caster, space, roadmap, camera, T_body_camera,
+                                             start, options)
       .plan();
 }
 }  // namespace surfleet

@@ -100,7 +100,8 @@ class FlightLattice {
             if (step.isZero() || !inside(c)) continue;
             const std::size_t i = index(c);
             if (closed[i] != 0) continue;
-            const double d = e.distance + spacing_ * std::sqrt(static_cast<double>(step.squaredNorm()));
+            const double d =
+                e.distance + spacing_ * std::sqrt(static_cast<double>(step.squaredNorm()));
             if (static_cast<float>(d) >= best[i] || !is_free(c, i)) continue;
             if (!free_->is_free_segment(position(e.cell), position(c))) continue;
             best[i] = static_cast<float>(d);

@@ -32,6 +32,8 @@
 #include <surfleet/mapping/tsdf_integrator.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/kinematics.hpp>
+#include <surfleet/motion/low_level_planner.hpp>
+#include <surfleet/motion/traffic_policy.hpp>
 
 namespace surfleet {
 /// Where the robots really are: a simulator, or the robots themselves.
@@ -55,23 +57,23 @@ struct MissionOptions {
   double body_radius = 1.0;      ///< [m]
   double start_clearance = 2.5;  ///< What is known to be free around every start [m].
   AerialLimits limits;
-  double image_period = 0.25;    ///< Between a robot's images, and the step of the clock [s].
-  double utility_share = 0.8;    ///< c_thres: share of a route's elements whose completion asks
-                                 ///< for a new plan.
-  int max_looks = 3;             ///< Looks in vain after which an element is given up.
-  double max_dwell = 10.0;       ///< Longest stay at a stop [s].
-  bool watchful = true;          ///< On the way, turn to what there is to see.
-  Box3 region;                   ///< Where surface is to be reconstructed [m].
-  Box3 bounds;                   ///< Where the robots may fly [m].
-  double max_time = 7200.0;      ///< The mission ends at this time at the latest [s].
+  double image_period = 0.25;  ///< Between a robot's images, and the step of the clock [s].
+  double utility_share = 0.8;  ///< c_thres: share of a route's elements whose completion asks
+                               ///< for a new plan.
+  int max_looks = 3;           ///< Looks in vain after which an element is given up.
+  double max_dwell = 10.0;     ///< Longest stay at a stop [s].
+  bool watchful = true;        ///< On the way, turn to what there is to see.
+  Box3 region;                 ///< Where surface is to be reconstructed [m].
+  Box3 bounds;                 ///< Where the robots may fly [m].
+  double max_time = 7200.0;    ///< The mission ends at this time at the latest [s].
   int threads = 1;
   std::uint64_t seed = 1;
 };
 
 /// A row of the mission's history.
 struct MissionProgress {
-  double time = 0.0;        ///< [s]
-  double path_length = 0.0; ///< Of all robots [m].
+  double time = 0.0;         ///< [s]
+  double path_length = 0.0;  ///< Of all robots [m].
   std::size_t incomplete = 0;
   std::size_t known_blocks = 0;
 };
@@ -82,12 +84,12 @@ struct TimedConfiguration {
 };
 
 struct MissionResult {
-  bool complete = false;          ///< False if ended by time or from outside.
-  double completion_time = 0.0;   ///< On the mission's clock [s].
-  double planning_time = 0.0;     ///< Of the machine, in the high-level planner [s].
+  bool complete = false;         ///< False if ended by time or from outside.
+  double completion_time = 0.0;  ///< On the mission's clock [s].
+  double planning_time = 0.0;    ///< Of the machine, in the high-level planner [s].
   std::vector<std::vector<TimedConfiguration>> trajectories;  ///< One a robot.
   std::vector<double> path_length;                            ///< One a robot [m].
-  std::size_t remaining = 0;      ///< Incomplete elements at the end.
+  std::size_t remaining = 0;                                  ///< Incomplete elements at the end.
   std::map<LeftReason, std::size_t> reasons;                  ///< Of all that remain.
   std::vector<MissionProgress> history;                       ///< About once in ten seconds.
   std::size_t images = 0, plans = 0, emergency_stops = 0, waits = 0;
@@ -170,7 +172,7 @@ class Mission {
   }
 
  private:
-  enum class Phase : std::uint8_t { scanning, waiting, flying, looking };
+  enum class Phase : std::uint8_t { scanning, waiting, flying, looking, aside };
   struct Agent {
     explicit Agent(AerialMotion m) : motion(std::move(m)) {}
     AerialMotion motion;
@@ -181,6 +183,9 @@ class Mission {
     double idle_until = 0.0;       ///< No new request before [s].
     std::size_t images = 0;        ///< Taken at this stop.
     double watch_yaw = 0.0;        ///< Where to look on the way [rad].
+    TrafficPolicy traffic;
+    bool held = false;  ///< Stopped for a teammate on a path that will be gone on with.
+    Point3 aside = Point3::Zero();
   };
 
   static MissionOptions checked(MissionOptions o, std::span<const Configuration> starts) {
@@ -265,8 +270,8 @@ class Mission {
           needed = std::max(needed, looks_needed(fleet_[r], v));
         }
         if (a.route.front().targets.empty()) done = a.images >= 2;
-        const double limit = std::min(options_.max_dwell / options_.image_period,
-                                      static_cast<double>(needed));
+        const double limit =
+            std::min(options_.max_dwell / options_.image_period, static_cast<double>(needed));
         if (done || static_cast<double>(a.images) >= limit) leave_stop(r);
       }
       if (a.phase != Phase::flying) continue;
@@ -274,7 +279,7 @@ class Mission {
         // Completed from elsewhere: passed over.
         a.route.erase(a.route.begin());
         halt(a);
-      } else if (!way_is_free(a)) {
+      } else if (obstacle_ahead_(free_, a.motion.remaining(), a.motion.stopping_distance())) {
         ++result_.emergency_stops;
         halt(a);
       }
@@ -292,30 +297,15 @@ class Mission {
   void halt(Agent& a) {
     a.motion.stop();
     a.phase = Phase::waiting;
+    a.held = false;
   }
-  /// Whether the way ahead is free as far as it matters now.
-  bool way_is_free(const Agent& a) const {
-    double left = a.motion.stopping_distance() + 3.0 * options_.voxel_size +
-                  options_.limits.speed * 1.0;
-    const std::vector<Point3> way = a.motion.remaining();
-    for (std::size_t k = 1; k < way.size() && left > 0.0; ++k) {
-      const double length = (way[k] - way[k - 1]).norm();
-      const Point3 end = length <= left ? way[k] : Point3(way[k - 1] + (way[k] - way[k - 1]) * (left / length));
-      // The rounded corners leave the polyline a little, so the start itself is not asked about.
-      if (!free_.is_free_segment(way[k - 1], end) && free_.is_free(way[k - 1])) return false;
-      left -= length;
-    }
-    return true;
-  }
-
   // -- planning ----------------------------------------------------------------------------------
   void plan() {
     if (std::any_of(agents_.begin(), agents_.end(),
                     [](const Agent& a) { return a.phase == Phase::scanning; }))
       return;
     bool ask = false;
-    for (const Agent& a : agents_)
-      ask |= a.route.empty() ? time_ >= a.idle_until : is_spent(a);
+    for (const Agent& a : agents_) ask |= a.route.empty() ? time_ >= a.idle_until : is_spent(a);
     if (ask) request_plan();
     for (std::size_t r = 0; r < agents_.size(); ++r)
       if (agents_[r].phase == Phase::waiting && !agents_[r].route.empty() &&
@@ -325,8 +315,7 @@ class Mission {
   /// UtilityCheck: so much of what the route was made for is complete that a new one is due.
   bool is_spent(const Agent& a) const {
     return a.initial_work > 0 &&
-           static_cast<double>(open_work(a.route)) <=
-               (1.0 - options_.utility_share) * static_cast<double>(a.initial_work);
+           UtilityCheck{options_.utility_share}(a.initial_work, open_work(a.route));
   }
 
   void request_plan() {
@@ -359,11 +348,12 @@ class Mission {
       if (!result.routes[r]) continue;
       Agent& a = agents_[r];
       Stops& route = *result.routes[r];
-      const bool same = !route.empty() && !a.route.empty() && a.phase != Phase::waiting &&
-                        (route.front().configuration.position -
-                         a.route.front().configuration.position).norm() < 1e-6 &&
-                        std::abs(wrap_angle(route.front().configuration.yaw -
-                                            a.route.front().configuration.yaw)) < 1e-6;
+      const bool same =
+          !route.empty() && !a.route.empty() && a.phase != Phase::waiting &&
+          (route.front().configuration.position - a.route.front().configuration.position).norm() <
+              1e-6 &&
+          std::abs(wrap_angle(route.front().configuration.yaw -
+                              a.route.front().configuration.yaw)) < 1e-6;
       a.route = std::move(route);
       a.initial_work = open_work(a.route);
       if (!same) halt(a);
@@ -402,8 +392,11 @@ class Mission {
 
   // -- motion ------------------------------------------------------------------------------------
   void move() {
+    std::vector<TrafficAgent> traffic;
+    for (std::size_t r = 0; r < agents_.size(); ++r) traffic.push_back(announce(r));
     for (std::size_t r = 0; r < agents_.size(); ++r) {
       Agent& a = agents_[r];
+      if (agents_.size() > 1 && a.phase != Phase::scanning) give_way(r, traffic);
       if (!a.route.empty()) last_work_ = time_;
       if (a.phase == Phase::scanning && (a.quarters == 0 || a.motion.finished())) {
         if (++a.quarters > 4)
@@ -415,6 +408,59 @@ class Mission {
       if (a.phase == Phase::flying && options_.watchful) a.watch_yaw = where_to_look(r);
       fleet_[r] = a.motion.advance(options_.image_period);
       if (a.phase == Phase::flying && a.motion.finished()) a.phase = Phase::looking;
+      traffic[r] = announce(r);
+    }
+  }
+  /// What a robot tells the others of its motion.
+  TrafficAgent announce(std::size_t r) const {
+    const Agent& a = agents_[r];
+    TrafficAgent t;
+    t.id = static_cast<int>(r);
+    t.position = fleet_[r].position;
+    if (a.phase == Phase::flying || a.phase == Phase::aside) t.path = a.motion.remaining();
+    t.radius = options_.body_radius;
+    t.speed = options_.limits.speed;
+    t.idle = a.route.empty();
+    t.cornered = a.traffic.cornered(time_);
+    return t;
+  }
+  /// TrafficPolicy [000 Alg. 3]: stop and wait, or step aside, or go on.
+  void give_way(std::size_t r, std::span<const TrafficAgent> traffic) {
+    Agent& a = agents_[r];
+    const auto free = [this](const Point3& p, const Point3& q) {
+      return free_.is_free_segment(p, q);
+    };
+    const Maneuver m = a.traffic(traffic[r], traffic, free, time_);
+    const bool moving = a.phase == Phase::flying || a.phase == Phase::aside;
+    switch (m.kind) {
+      case Maneuver::Kind::none:
+        if (a.held) a.motion.resume();
+        a.held = false;
+        if (a.phase == Phase::aside && a.motion.finished()) a.phase = Phase::waiting;
+        break;
+      case Maneuver::Kind::stop:
+        if (!moving) break;
+        if (!a.held) ++result_.waits;
+        a.motion.stop();
+        a.held = true;
+        break;
+      case Maneuver::Kind::step_aside:
+        if (a.phase == Phase::aside && !a.motion.finished() &&
+            (m.target - a.aside).norm() < options_.body_radius) {
+          if (a.held) a.motion.resume();
+          a.held = false;
+        } else if (!a.motion.standing()) {
+          a.motion.stop();
+          a.held = moving;
+        } else {
+          const std::array<Point3, 2> way{fleet_[r].position, m.target};
+          a.motion.follow(way, fleet_[r].yaw);
+          a.aside = m.target;
+          a.phase = Phase::aside;
+          a.held = false;
+          ++result_.waits;
+        }
+        break;
     }
   }
   /// The heading with the most incomplete surface in view from here; near the goal, the goal's.
@@ -429,11 +475,10 @@ class Mission {
       if ((e.position - fleet_[r].position).squaredNorm() < reach * reach)
         near.push_back({e.position, e.direction, 1.0, 2});
     if (near.empty()) return goal.yaw;
-    const SightTargets targets(std::move(near), observed_, options_.camera,
-                               options_.T_body_camera, {.max_distance = reach});
+    const SightTargets targets(std::move(near), observed_, options_.camera, options_.T_body_camera,
+                               {.max_distance = reach});
     const std::vector<char> none(targets.size(), 0);
-    const auto worth =
-        worth_by_heading(targets, targets.seen_from(fleet_[r].position), none);
+    const auto worth = worth_by_heading(targets, targets.seen_from(fleet_[r].position), none);
     const auto best = std::max_element(worth.begin(), worth.end());
     return *best > 0.0 ? heading_angle(static_cast<int>(best - worth.begin())) : goal.yaw;
   }
@@ -443,8 +488,7 @@ class Mission {
     for (std::size_t r = 0; r < agents_.size(); ++r) {
       auto& t = result_.trajectories[r];
       if (!t.empty())
-        result_.path_length[r] +=
-            (fleet_[r].position - t.back().configuration.position).norm();
+        result_.path_length[r] += (fleet_[r].position - t.back().configuration.position).norm();
       t.push_back({time_, fleet_[r]});
     }
   }
@@ -479,6 +523,7 @@ class Mission {
   FreeSpace free_;
   LazyPrmStar roadmap_;
   LookLedger ledger_;
+  ObstacleCheck obstacle_ahead_{.lookahead = 1.5};
   std::vector<Agent> agents_;
   std::vector<Configuration> fleet_;
   std::vector<IncompleteElement> work_;

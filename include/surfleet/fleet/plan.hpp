@@ -35,10 +35,14 @@ enum class LeftReason : std::uint8_t {
 };
 constexpr std::string_view name_of(LeftReason r) {
   switch (r) {
-    case LeftReason::no_free_pose: return "no_free_pose";
-    case LeftReason::unreachable: return "unreachable";
-    case LeftReason::seen_incomplete: return "seen_incomplete";
-    case LeftReason::not_attempted: break;
+    case LeftReason::no_free_pose:
+      return "no_free_pose";
+    case LeftReason::unreachable:
+      return "unreachable";
+    case LeftReason::seen_incomplete:
+      return "seen_incomplete";
+    case LeftReason::not_attempted:
+      break;
   }
   return "not_attempted";
 }
@@ -50,20 +54,21 @@ struct RobotRequest {
   Stops remaining;              ///< What it still has to do; empty if idle.
 };
 
-/// Everything a planner may look at. All views are of the mission's own state and last for the call.
+/// Everything a planner may look at. All views are of the mission's own state and last for the
+/// call.
 struct PlanRequest {
   std::span<const IncompleteElement> work;  ///< Elements worth planning for, in voxel order.
   const IncompleteSurface& incomplete;      ///< All of them, also those given up.
   const VoxelStateMap& known;               ///< States at W_th: what is complete.
-  const VoxelStateMap& observed;            ///< States at a lower weight: what to fly and look through.
+  const VoxelStateMap& observed;  ///< States at a lower weight: what to fly and look through.
   const FreeSpace& free_space;
   LazyPrmStar& roadmap;
   const PinholeCamera& camera;
   const Pose& T_body_camera;
-  Box3 region;                              ///< Where surface is to be reconstructed.
+  Box3 region;  ///< Where surface is to be reconstructed.
   std::span<const RobotRequest> robots;
-  double time = 0.0;                        ///< Of the mission [s].
-  std::uint64_t round = 0;                  ///< Number of this request: a seed that never repeats.
+  double time = 0.0;        ///< Of the mission [s].
+  std::uint64_t round = 0;  ///< Number of this request: a seed that never repeats.
 };
 
 /// New routes and the elements for which the planner found none.

@@ -16,13 +16,13 @@
 
 namespace surfleet {
 struct RatePlannerOptions {
-  double stop_cost = 3.0;          ///< What a stop costs beside its flight [m].
-  double turn_cost = 0.4;          ///< What turning costs [m/rad].
-  double spacing_share = 0.15;     ///< Lattice spacing over the camera's range.
-  double sight_share = 0.85;       ///< Farthest look that counts, over the camera's range.
-  double prediction_share = 0.6;   ///< How far surface is predicted to go on, over the range.
-  double prediction_worth = 0.6;   ///< Worth of predicted surface beside surface at hand.
-  int stops = 2;                   ///< Stops planned ahead for each robot.
+  double stop_cost = 3.0;         ///< What a stop costs beside its flight [m].
+  double turn_cost = 0.4;         ///< What turning costs [m/rad].
+  double spacing_share = 0.15;    ///< Lattice spacing over the camera's range.
+  double sight_share = 0.85;      ///< Farthest look that counts, over the camera's range.
+  double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
+  double prediction_worth = 0.6;  ///< Worth of predicted surface beside surface at hand.
+  int stops = 2;                  ///< Stops planned ahead for each robot.
 };
 
 /// Greedy flights by marginal rate.
@@ -69,8 +69,8 @@ class RatePlanner {
       std::optional<Candidate> best;
       std::size_t who = 0;
       for (std::size_t w = 0; w < waiting.size(); ++w) {
-        const auto c = best_stop(lattice, targets, done, most,
-                                 request.robots[waiting[w]].configuration);
+        const auto c =
+            best_stop(lattice, targets, done, most, request.robots[waiting[w]].configuration);
         if (c && (!best || c->rate > best->rate)) {
           best = c;
           who = w;
@@ -110,8 +110,8 @@ class RatePlanner {
       targets.push_back({e.position, e.direction, voxel * voxel, 2});
     const double reach = options.prediction_share * request.camera.max_range;
     const double step = 2.0 * voxel;
-    for (const PredictedPatch& p : predict_surface(request.work, request.known,
-                                                   {.reach = reach, .step = step, .region = request.region}))
+    for (const PredictedPatch& p : predict_surface(
+             request.work, request.known, {.reach = reach, .step = step, .region = request.region}))
       targets.push_back({p.position, p.normal, options.prediction_worth * p.area,
                          static_cast<int>(reach / voxel)});
     return targets;
@@ -132,14 +132,12 @@ class RatePlanner {
     lattice.search(from.position, [&](const auto& site) {
       if (best && most <= best->rate * (site.distance + options.stop_cost)) return false;
       const std::size_t index = lattice.index(site.cell);
-      const auto worth =
-          worth_by_heading(targets, sightings(targets, index, site.position), done);
+      const auto worth = worth_by_heading(targets, sightings(targets, index, site.position), done);
       for (int k = 0; k < kHeadings; ++k) {
         const double w = worth[static_cast<std::size_t>(k)];
         if (w <= 0.0) continue;
         const double turn = std::abs(wrap_angle(heading_angle(k) - from.yaw));
-        const double rate =
-            w / (site.distance + options.stop_cost + options.turn_cost * turn);
+        const double rate = w / (site.distance + options.stop_cost + options.turn_cost * turn);
         if (!best || rate > best->rate)
           best = Candidate{{site.position, heading_angle(k)}, rate, index, k};
       }
@@ -163,7 +161,8 @@ class RatePlanner {
 
   static void mark(const SightTargets& targets, const std::vector<Sighting>& seen, double yaw,
                    std::vector<char>& done) {
-    const int k = static_cast<int>(std::lround(yaw / (2.0 * kPi) * kHeadings) + kHeadings) % kHeadings;
+    const int k =
+        static_cast<int>(std::lround(yaw / (2.0 * kPi) * kHeadings) + kHeadings) % kHeadings;
     for (const Sighting& s : seen)
       if ((s.headings >> k & 1U) != 0U) done[static_cast<std::size_t>(s.target)] = 1;
     static_cast<void>(targets);

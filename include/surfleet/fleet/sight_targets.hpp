@@ -43,7 +43,8 @@ struct TargetSightOptions {
 class SightTargets {
  public:
   SightTargets(std::vector<SightTarget> targets, const VoxelStateMap& map,
-               const PinholeCamera& camera, const Pose& T_body_camera, TargetSightOptions options = {})
+               const PinholeCamera& camera, const Pose& T_body_camera,
+               TargetSightOptions options = {})
       : targets_(std::move(targets)), map_(&map), camera_(&camera), options_(options) {
     if (options_.max_distance <= 0.0) options_.max_distance = camera.max_range;
     for (int k = 0; k < kHeadings; ++k) {
@@ -75,8 +76,8 @@ class SightTargets {
     for (int z = -1; z <= 1; ++z)
       for (int y = -1; y <= 1; ++y) {
         // The three cells of a row are neighbours in the order.
-        const auto low = std::lower_bound(packed_.begin(), packed_.end(),
-                                          pack(c + VoxelIndex(-1, y, z)));
+        const auto low =
+            std::lower_bound(packed_.begin(), packed_.end(), pack(c + VoxelIndex(-1, y, z)));
         const auto high = std::upper_bound(low, packed_.end(), pack(c + VoxelIndex(1, y, z)));
         for (auto it = low; it != high; ++it) {
           const std::int32_t id = order_[static_cast<std::size_t>(it - packed_.begin())];
@@ -102,11 +103,11 @@ class SightTargets {
         for (int y = -1; y <= 1; ++y) {
           const auto low =
               std::lower_bound(packed_.begin(), packed_.end(), pack(c + VoxelIndex(-1, y, z)));
-          const auto high =
-              std::upper_bound(low, packed_.end(), pack(c + VoxelIndex(1, y, z)));
+          const auto high = std::upper_bound(low, packed_.end(), pack(c + VoxelIndex(1, y, z)));
           for (auto it = low; it != high; ++it)
-            sum += targets_[static_cast<std::size_t>(order_[static_cast<std::size_t>(
-                                it - packed_.begin())])].worth;
+            sum += targets_[static_cast<std::size_t>(
+                                order_[static_cast<std::size_t>(it - packed_.begin())])]
+                       .worth;
         }
       most = std::max(most, sum);
     }
@@ -114,9 +115,7 @@ class SightTargets {
   }
 
  private:
-  VoxelIndex cell_of(const Point3& p) const {
-    return (p / cell_).array().floor().cast<int>();
-  }
+  VoxelIndex cell_of(const Point3& p) const { return (p / cell_).array().floor().cast<int>(); }
   static std::int64_t pack(const VoxelIndex& c) {
     constexpr std::int64_t bias = 1 << 20;
     return ((c.z() + bias) << 42) + ((c.y() + bias) << 21) + (c.x() + bias);

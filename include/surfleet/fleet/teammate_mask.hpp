@@ -42,8 +42,7 @@ inline void mask_teammates(DepthImage& image, const PinholeCamera& camera,
       for (int u = u0; u <= u1; ++u) {
         const float d = image(u, v);
         if (!DepthImage::is_measurement(d) || d > static_cast<float>(camera.max_range)) continue;
-        if ((camera.ray(u, v) * static_cast<double>(d) - c).norm() <= radius)
-          image(u, v) = 0.0F;
+        if ((camera.ray(u, v) * static_cast<double>(d) - c).norm() <= radius) image(u, v) = 0.0F;
       }
   }
 }

@@ -76,10 +76,10 @@ class TourPlanner {
         return request.roadmap.reachable(s.position, q.position);
       });
     };
-    const ViewpointSet set = generate_viewpoints(
-        elements, request.observed, request.camera,
-        {.distance = options.distance, .T_body_camera = request.T_body_camera}, is_free,
-        is_reachable);
+    const ViewpointSet set =
+        generate_viewpoints(elements, request.observed, request.camera,
+                            {.distance = options.distance, .T_body_camera = request.T_body_camera},
+                            is_free, is_reachable);
     for (const UnseenElement& u : set.unseen)
       result.impossible.emplace_back(elements[static_cast<std::size_t>(u.element)].voxel,
                                      u.reason == NoViewReason::unreachable
@@ -143,13 +143,12 @@ class TourPlanner {
 /// TSGA [000 Alg. 2] and NNB [000 Alg. 4], and what goes beyond them: an improvement step after the
 /// greedy pass, and a rule that evens out the robots' times.
 using TsgaPlanner = TourPlanner<>;
-using NnbPlanner = TourPlanner<GreedyAllocator<TourUtility<LinKernighan>, NearestFirst,
-                                               PartitionMatroid, NearestNeighbour>>;
+using NnbPlanner = TourPlanner<
+    GreedyAllocator<TourUtility<LinKernighan>, NearestFirst, PartitionMatroid, NearestNeighbour>>;
 using ImprovedTsgaPlanner = TourPlanner<GreedyAllocator<>, ImproveAllocation<>>;
-using MakespanPlanner =
-    TourPlanner<GreedyAllocator<TourShortness<LinKernighan>, NearestFirst, PartitionMatroid,
-                                MakespanAware>,
-                ImproveAllocation<Makespan, TourShortness<LinKernighan>>>;
+using MakespanPlanner = TourPlanner<
+    GreedyAllocator<TourShortness<LinKernighan>, NearestFirst, PartitionMatroid, MakespanAware>,
+    ImproveAllocation<Makespan, TourShortness<LinKernighan>>>;
 
 /// First one planner, then, from the moment the first one's rate falls below a share of what it was
 /// on average, another for good: fast flights while there is much to see, tours for what is left.

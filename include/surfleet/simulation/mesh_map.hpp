@@ -28,9 +28,9 @@ inline TsdfMap map_from_mesh(const Bvh& mesh, const Box3& bounds, double voxel_s
       for (int x = low.x(); x <= high.x(); ++x) {
         const std::uint32_t slot = map.ensure_slot({x, y, z});
         TsdfMap::Block& block = map.block(slot);
-        const Point3 center = (block.origin().cast<double>() +
-                               Eigen::Vector3d::Constant(0.5 * TsdfMap::kBlockSide)) *
-                              voxel_size;
+        const Point3 center =
+            (block.origin().cast<double>() + Eigen::Vector3d::Constant(0.5 * TsdfMap::kBlockSide)) *
+            voxel_size;
         const bool near = mesh.closest_point(center, block_reach).has_value();
         for (std::size_t i = 0; i < TsdfMap::kBlockVoxels; ++i) {
           const Point3 p = map.center(TsdfMap::index_in(block, i));

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// One drone or a fleet reconstructs a structure it does not know.
+//
+//   drone_inspection                                     three drones, the bundled power plant
+//   drone_inspection --scene bridge.ply --robots 5 --out out/bridge
+//   drone_inspection --scene statue --planner tsga --seed 7
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "support/inspection.hpp"
+#include "support/inspection_report.hpp"
+
+namespace {
+using namespace surfleet;
+using namespace surfleet::examples;
+
+struct Arguments {
+  InspectionSettings settings;
+  std::string out = "out/drone_inspection";
+  bool quiet = false;
+};
+
+Arguments arguments(int argc, char** argv) {
+  CLI::App app{
+      "One drone or a fleet reconstructs a structure it does not know.\n"
+      "Writes metrics.json, reconstruction.ply, trajectory_K.tum, map.sfm and report.html "
+      "to --out.\nExit status: 0 done, 2 input refused, 3 ended early."};
+  Arguments a;
+  InspectionOptions options(app);
+  app.add_option("--out", a.out, "folder for the results")->capture_default_str();
+  app.add_flag("--quiet", a.quiet, "no progress line");
+  app.set_config("--config", "", "settings from a TOML file: option names without dashes");
+  cli::parse(app, argc, argv);
+  a.settings = options.settle();
+  return a;
+}
+
+int run(int argc, char** argv) {
+  const Arguments a = arguments(argc, argv);
+  const InspectionSettings& s = a.settings;
+  InspectionSite site(open_scene(s), s);
+  // Whatever can be refused is refused before the first file is made.
+  starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.voxel});
+  const auto out = cli::prepare_output_folder(a.out);
+  cli::watch_interrupts();
+  cli::ProgressLine line(!a.quiet);
+  line("finding what could be seen of " + site.scene.name);
+  site.find_reference(
+      s, starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.voxel})
+             .front()
+             .position);
+
+  CoverageProbe probe(site, half_voxel_diagonal(s.voxel));
+  CoverageCurve curve;
+  double next_probe = 0.0;
+  const InspectionRun run =
+      run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap& map) {
+        if (p.time >= next_probe) {
+          next_probe = p.time + 20.0;
+          curve.add(p, probe(map));
+        }
+        char text[160];
+        std::snprintf(text, sizeof text,
+                      "%5.0f s  %7.1f m  %5.1f %% seen  %5zu incomplete elements", p.time,
+                      p.path_length, 100.0 * curve.last(), p.incomplete);
+        line(text);
+        return !cli::interrupted();
+      });
+  line.finish();
+  write_inspection(out, s, site, run, curve);
+
+  const ReconstructionMetrics& m = run.evaluation.metrics;
+  std::printf("%s: %s, %d drone%s, planner %s\n", run.result.complete ? "complete" : "ended early",
+              site.scene.name.c_str(), s.robots, s.robots == 1 ? "" : "s", s.planner.c_str());
+  std::printf("  path %.1f m, time %.0f s, planning %.1f s, machine %.1f s\n",
+              run.result.total_path_length(), run.result.completion_time, run.result.planning_time,
+              run.wall_time);
+  std::printf("  coverage %.1f %%, RMSE %.2f cm, M3C2 %.2f +- %.2f cm\n",
+              100.0 * m.surface_coverage, 100.0 * m.rmse_m, 100.0 * m.m3c2_mean_m,
+              100.0 * m.m3c2_std_m);
+  std::printf("  collisions %d, least clearance %.2f m, %zu incomplete elements left\n",
+              run.judged.collisions, run.judged.min_clearance_m, run.result.remaining);
+  std::printf("  see %s\n", (out / "report.html").c_str());
+  return run.result.complete ? cli::kDone : cli::kIncomplete;
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  return surfleet::cli::run("drone_inspection", [&] { return run(argc, argv); });
+}

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: MIT
+/// @file  Settings of a drone inspection, how it is run and how it is judged: shared by
+///        `drone_inspection`, its trials and the clairvoyant benchmark.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "support/cli.hpp"
+#include "support/planners.hpp"
+
+#include <surfleet/adapters/embree_ray_caster.hpp>
+#include <surfleet/adapters/fcl_mesh_judge.hpp>
+#include <surfleet/evaluation/observable_surface.hpp>
+#include <surfleet/evaluation/reconstruction_metrics.hpp>
+#include <surfleet/fleet/mission.hpp>
+#include <surfleet/geometry/mesh_io.hpp>
+#include <surfleet/mapping/mesh_extractor.hpp>
+#include <surfleet/simulation/drone_world.hpp>
+#include <surfleet/simulation/judge.hpp>
+#include <surfleet/simulation/scenes.hpp>
+
+namespace surfleet::examples {
+/// What the command line says. Angles in degrees, as people give them.
+struct InspectionSettings {
+  std::string scene = "powerplant";
+  std::string preset;  ///< Empty: the one that fits the scene's name, else powerplant.
+  std::string planner = "surfleet";
+  std::string architecture;  ///< Empty: single for one robot, else centralized.
+  int robots = 3;
+  std::uint64_t seed = 1;
+  double voxel = 0.3;
+  std::vector<double> range{1.6, 8.0};
+  std::vector<double> fov{90.0, 60.0};
+  int image_width = 160;
+  double rate = 4.0;
+  double standoff = 4.7;
+  double speed = 0.6;
+  double radius = 1.0;
+  std::vector<double> start, bounds;
+  std::optional<double> ground;
+  bool noise = true;
+  int threads = 2;
+  double max_time = 7200.0;
+  double known_weight = 0.3;
+  double cluster_radius = 2.0, cluster_max_radius = 5.0;
+  double lambda_tc = 0.3, lambda_ic = 0.03;
+  double utility_share = 0.8;
+};
+
+/// The seeds' parameter sets [000 Tables 2.1, 3.1].
+inline void apply_preset(InspectionSettings& s, std::string_view name) {
+  if (name == "powerplant") {
+    s.voxel = 0.3;
+    s.range = {1.6, 8.0};
+    s.standoff = 4.7;
+    s.cluster_radius = 2.0;
+    s.lambda_tc = 0.3;
+    s.lambda_ic = 0.03;
+    s.utility_share = 0.8;
+  } else if (name == "statue") {
+    s.voxel = 0.15;
+    s.range = {1.0, 5.0};
+    s.standoff = 3.6;
+    s.cluster_radius = 2.5;
+    s.lambda_tc = 0.17;
+    s.lambda_ic = 0.15;
+    s.utility_share = 0.5;
+  } else {
+    throw Error("preset " + std::string(name) + ": not known; expected powerplant or statue");
+  }
+}
+
+/// Declares the options that inspections share. The preset is applied before what is given by name
+/// overrides it: call `settle` after parsing.
+class InspectionOptions {
+ public:
+  InspectionSettings settings;
+
+  explicit InspectionOptions(CLI::App& app) {
+    add(app, "--scene", settings.scene,
+        "powerplant, statue, house, or a mesh file (.ply .obj .stl .off) [m]");
+    add(app, "--preset", settings.preset, "powerplant or statue: the published parameters");
+    add(app, "--planner", settings.planner,
+        "surfleet, tsga, nnb, tsga-async, tsga-improved, "
+        "makespan, tours or rate");
+    add(app, "--architecture", settings.architecture, "single or centralized");
+    add(app, "--robots", settings.robots, "number of drones");
+    add(app, "--seed", settings.seed, "of noise and roadmap");
+    add(app, "--voxel", settings.voxel, "edge of a voxel [m]");
+    add(app, "--range", settings.range, "nearest and farthest depth [m]")->expected(2);
+    add(app, "--fov", settings.fov, "horizontal and vertical field of view [deg]")->expected(2);
+    add(app, "--image-width", settings.image_width, "columns of the depth image [px]");
+    add(app, "--rate", settings.rate, "images a second");
+    add(app, "--standoff", settings.standoff, "delta_pose, distance of a view [m]");
+    add(app, "--speed", settings.speed, "nominal speed [m/s]");
+    add(app, "--radius", settings.radius, "of a drone's body [m]");
+    add(app, "--start", settings.start, "place of the first drone [m]")->expected(3);
+    add(app, "--bounds", settings.bounds, "flight space x0 y0 z0 x1 y1 z1 [m]")->expected(6);
+    ground_ = app.add_option("--ground", ground_z_, "height of a ground plane under the mesh [m]");
+    app.add_option("--noise", noise_, "stereo noise, on or off")->capture_default_str();
+    add(app, "--threads", settings.threads, "threads; the result is the same for any number");
+    add(app, "--max-time", settings.max_time, "the mission ends at this time [s]");
+    add(app, "--known-weight", settings.known_weight, "W_th: weight of a known voxel");
+    add(app, "--cluster-radius", settings.cluster_radius, "d_nu [m]");
+    add(app, "--lambda-tc", settings.lambda_tc, "penalty of travel between clusters [1/m]");
+    add(app, "--lambda-ic", settings.lambda_ic, "penalty of travel inside clusters [1/m]");
+    add(app, "--utility-share", settings.utility_share,
+        "c_thres: share of a route's work whose completion asks for a new plan");
+  }
+
+  /// Call once, after parsing: applies the preset under what was given, and checks everything that
+  /// can be checked without the scene. Throws `Error`.
+  InspectionSettings settle() {
+    const InspectionSettings given = settings;
+    InspectionSettings s = given;
+    const std::string preset = !given.preset.empty()     ? given.preset
+                               : given.scene == "statue" ? "statue"
+                                                         : "powerplant";
+    apply_preset(s, preset);
+    s.preset = preset;
+    const auto keep = [&](std::string_view option, auto member) {
+      if (was_given(option)) s.*member = given.*member;
+    };
+    keep("--voxel", &InspectionSettings::voxel);
+    keep("--range", &InspectionSettings::range);
+    keep("--standoff", &InspectionSettings::standoff);
+    keep("--cluster-radius", &InspectionSettings::cluster_radius);
+    keep("--lambda-tc", &InspectionSettings::lambda_tc);
+    keep("--lambda-ic", &InspectionSettings::lambda_ic);
+    keep("--utility-share", &InspectionSettings::utility_share);
+    if (ground_->count() > 0) s.ground = ground_z_;
+    require(noise_ == "on" || noise_ == "off", "--noise " + noise_ + ": expected on or off");
+    s.noise = noise_ == "on";
+    check(s);
+    return s;
+  }
+
+ private:
+  template <typename T>
+  CLI::Option* add(CLI::App& app, const std::string& name, T& value, const std::string& help) {
+    CLI::Option* option = app.add_option(name, value, help)->capture_default_str();
+    options_.emplace_back(name, option);
+    return option;
+  }
+  bool was_given(std::string_view name) const {
+    for (const auto& [n, option] : options_)
+      if (n == name) return option->count() > 0;
+    return false;
+  }
+  static void check(const InspectionSettings& s) {
+    const auto positive = [](double v, const char* name) {
+      require(v > 0.0 && std::isfinite(v), std::string(name) + ": expected a positive number");
+    };
+    require(s.robots >= 1 && s.robots <= 64,
+            "--robots " + std::to_string(s.robots) + ": expected 1 to 64");
+    require(s.threads >= 1 && s.threads <= 256, "--threads: expected 1 to 256");
+    require(s.voxel >= 0.01 && s.voxel <= 10.0,
+            "--voxel " + std::to_string(s.voxel) + ": expected 0.01 to 10 m");
+    require(s.range[0] >= 0.0 && s.range[1] > s.range[0] && s.range[1] <= 1000.0,
+            "--range: expected 0 <= nearest < farthest <= 1000 m");
+    for (const double angle : s.fov)
+      require(angle > 0.0 && angle <= 170.0,
+              "--fov " + std::to_string(angle) + ": expected angles in (0, 170] degrees");
+    require(s.image_width >= 16 && s.image_width <= 4096, "--image-width: expected 16 to 4096");
+    require(s.rate >= 0.2 && s.rate <= 100.0, "--rate: expected 0.2 to 100 images a second");
+    positive(s.standoff, "--standoff");
+    positive(s.speed, "--speed");
+    positive(s.radius, "--radius");
+    positive(s.max_time, "--max-time");
+    positive(s.known_weight, "--known-weight");
+    positive(s.cluster_radius, "--cluster-radius");
+    require(s.lambda_tc >= 0.0 && s.lambda_ic >= 0.0,
+            "--lambda-tc, --lambda-ic: expected 0 or more");
+    require(s.utility_share > 0.0 && s.utility_share <= 1.0, "--utility-share: expected (0, 1]");
+    require(s.architecture.empty() || s.architecture == "single" || s.architecture == "centralized",
+            "--architecture " + s.architecture + ": expected single or centralized");
+    require(s.architecture != "single" || s.robots == 1,
+            "--architecture single: expected --robots 1");
+    make_planner(s.planner, {}, {});
+  }
+
+  std::vector<std::pair<std::string, CLI::Option*>> options_;
+  CLI::Option* ground_ = nullptr;
+  double ground_z_ = 0.0;
+  std::string noise_ = "on";
+};
+
+/// Opens a bundled scene or a mesh file. Throws `Error`.
+inline Scene open_scene(const InspectionSettings& s) {
+  const bool bundled = s.scene == "powerplant" || s.scene == "statue" || s.scene == "house";
+  std::optional<Box3> bounds;
+  if (!s.bounds.empty()) bounds = cli::box_from_numbers(s.bounds, "--bounds");
+  std::optional<Point3> start;
+  if (!s.start.empty()) start = Point3(s.start[0], s.start[1], s.start[2]);
+  if (!bundled) {
+    SceneOptions o;
+    o.name = std::filesystem::path(s.scene).filename().string();
+    o.bounds = bounds;
+    o.start = start;
+    o.ground = s.ground;
+    o.standoff = std::max(8.0 * s.range[1] / 8.0, 3.0 * s.radius);
+    o.radius = s.radius;
+    o.margin = s.voxel;
+    return scene_from_mesh(read_mesh(s.scene), o);
+  }
+  Scene scene = scene_by_name(s.scene);
+  if (bounds) scene.bounds = *bounds;
+  if (start) {
+    const SceneSpace space(scene.mesh);
+    require(scene.bounds.contains(*start) && space.is_free(*start, s.radius),
+            "--start: inside an obstacle or outside the flight space; expected a place with " +
+                std::to_string(s.radius) + " m around it");
+    scene.station.position = *start;
+  }
+  return scene;
+}
+
+/// A scene made ready: its geometry for rays and clearances, and the part a drone could see.
+struct InspectionSite {
+  Scene scene;
+  SceneSpace space;
+  EmbreeRayCaster caster;
+  MeshJudge judge;
+  PinholeCamera camera;
+  PointCloud reference;          ///< Samples of what could be seen.
+  double reference_share = 1.0;  ///< Of the samples in the region.
+  double area_per_sample = 0.0;  ///< [m²]
+
+  InspectionSite(Scene s, const InspectionSettings& settings)
+      : scene(std::move(s)), space(scene.mesh), caster(scene.mesh), judge(scene.mesh) {
+    const double ratio =
+        std::tan(0.5 * radians(settings.fov[1])) / std::tan(0.5 * radians(settings.fov[0]));
+    const int height = std::max(12, static_cast<int>(std::lround(settings.image_width * ratio)));
+    camera =
+        PinholeCamera::from_fov(radians(settings.fov[0]), radians(settings.fov[1]),
+                                settings.image_width, height, settings.range[0], settings.range[1]);
+  }
+
+  /// Finds what could have been seen from `start`: slow, and needed for the judgement alone.
+  void find_reference(const InspectionSettings& settings, const Point3& start) {
+    const SurfaceSamples all =
+        sample_surface(scene.structure(), {.density = 3.0 / (settings.voxel * settings.voxel)});
+    std::vector<std::uint8_t> inside(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+      inside[i] = scene.region.contains(all.cloud.points[i]) ? 1 : 0;
+    const SurfaceSamples samples = select(all, inside);
+    const ReachableLattice lattice(space.surface(), {.bounds = scene.bounds,
+                                                     .start = start,
+                                                     .radius = settings.radius,
+                                                     .spacing = 0.1 * settings.range[1]});
+    ObservabilityOptions o;
+    o.camera = camera;
+    o.threads = settings.threads;
+    const ObservableSurface seen = observable_surface(samples.cloud, caster, lattice, o);
+    reference = select(samples, seen.visible).cloud;
+    reference_share = seen.fraction();
+    area_per_sample = samples.area_per_sample;
+  }
+};
+
+inline MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site,
+                                      const std::vector<Configuration>& starts) {
+  MissionOptions o;
+  o.camera = site.camera;
+  o.voxel_size = s.voxel;
+  o.known_weight = s.known_weight;
+  o.tsdf.truncation = 3.0 * s.voxel;
+  o.body_radius = s.radius;
+  // The operator knows the ground he stands on: what is free around the starts, at most 3 m.
+  o.start_clearance = 3.0;
+  for (const Configuration& q : starts)
+    o.start_clearance = std::min(o.start_clearance, site.space.clearance(q.position));
+  o.limits.speed = s.speed;
+  o.image_period = 1.0 / s.rate;
+  o.utility_share = s.utility_share;
+  o.region = site.scene.region;
+  o.bounds = site.scene.bounds;
+  o.max_time = s.max_time;
+  o.threads = s.threads;
+  o.seed = s.seed;
+  return o;
+}
+
+inline AnyPlanner planner_for(const InspectionSettings& s) {
+  TourPlannerOptions tours;
+  tours.distance = s.standoff;
+  tours.clusters = {.radius = s.cluster_radius, .max_radius = s.cluster_max_radius};
+  tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
+  return make_planner(s.planner, tours, {});
+}
+
+/// A finished mission and what became of it.
+struct InspectionRun {
+  MissionResult result;
+  TriangleMesh reconstruction;  ///< Cut to the region, without the ground.
+  ReconstructionEvaluation evaluation;
+  JudgeReport judged;
+  double wall_time = 0.0;  ///< Of the mission alone [s].
+};
+
+/// Runs the mission and judges it. `progress` is told about once a simulated second and ends the
+/// mission by returning false.
+template <typename Progress>
+InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
+                             const Progress& progress) {
+  const std::vector<Configuration> starts =
+      starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.voxel});
+  DroneWorld<EmbreeRayCaster> world(
+      site.caster, site.camera, forward_camera_mount(),
+      {.noise = s.noise, .body_radius = 0.5 * s.radius, .seed = s.seed});
+  Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site, starts), world,
+                                                           starts, planner_for(s));
+  InspectionRun run;
+  const auto before = std::chrono::steady_clock::now();
+  mission.on_progress = [&](const MissionProgress& p) { return progress(p, mission.map()); };
+  run.result = mission.run();
+  run.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+  run.reconstruction = crop(extract_mesh(mission.map(), {.min_weight = 1e-6}), site.scene.region);
+  std::vector<std::vector<Point3>> paths;
+  for (const auto& trajectory : run.result.trajectories) {
+    paths.emplace_back();
+    for (const TimedConfiguration& t : trajectory) paths.back().push_back(t.configuration.position);
+  }
+  run.judged = judge_paths(paths, site.judge, s.radius);
+  if (site.reference.points.empty()) site.find_reference(s, starts.front().position);
+  EvaluationOptions e;
+  e.e_max = half_voxel_diagonal(s.voxel);
+  e.threads = s.threads;
+  const MeasuredSurface truth = MeasuredSurface::from(site.scene.structure(), e);
+  run.evaluation = evaluate(site.reference, truth, MeasuredSurface::from(run.reconstruction, e), e);
+  return run;
+}
+}  // namespace surfleet::examples

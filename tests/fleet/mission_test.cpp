@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/fleet/mission.hpp>
+
+#include "box_world.hpp"
+#include "check.hpp"
+
+#include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/fleet/tour_planner.hpp>
+#include <surfleet/mapping/mesh_extractor.hpp>
+
+namespace {
+using namespace surfleet;
+using box_world::World;
+
+struct NoPlan {
+  PlanResult operator()(const PlanRequest& request) {
+    PlanResult r;
+    r.routes.assign(request.robots.size(), Stops{});
+    return r;
+  }
+};
+static_assert(FleetPlanner<NoPlan> && !FleetPlanner<int>);
+static_assert(WorldModel<World> && !WorldModel<NoPlan>);
+
+template <typename Planner>
+MissionResult fly(int robots, const Planner& planner, int threads, double least,
+                  TsdfMap* map = nullptr) {
+  World world;
+  MissionOptions o = box_world::options(world);
+  o.threads = threads;
+  Mission<Planner, World> mission(o, world, box_world::starts(robots), planner);
+  MissionResult result = mission.run();
+  // Nobody hits the box or a teammate.
+  for (std::size_t r = 0; r < result.trajectories.size(); ++r)
+    for (std::size_t k = 0; k < result.trajectories[r].size(); ++k) {
+      const Point3& p = result.trajectories[r][k].configuration.position;
+      CHECK(world.bvh.distance(p) > 0.4);
+      CHECK(o.bounds.contains(p));
+      for (std::size_t s = 0; s < r; ++s)
+        CHECK((result.trajectories[s][k].configuration.position - p).norm() > 0.8);
+    }
+  // The share of the box's surface that is mapped within a voxel.
+  const Bvh mapped(extract_mesh(mission.map(), {.min_weight = 1e-6F}));
+  double near = 0.0, all = 0.0;
+  for (std::size_t t = 0; t < world.mesh.triangles.size(); ++t)
+    for (double u = 0.05; u < 1.0; u += 0.1)
+      for (double v = 0.05; u + v < 1.0; v += 0.1) {
+        const Point3 p = world.mesh.corner(t, 0) * (1.0 - u - v) + world.mesh.corner(t, 1) * u +
+                         world.mesh.corner(t, 2) * v;
+        all += 1.0;
+        near += mapped.distance(p) < 0.2 ? 1.0 : 0.0;
+      }
+  CHECK(near / all > least);
+  CHECK(result.complete);
+  std::size_t reasons = 0;
+  for (const auto& [reason, count] : result.reasons) reasons += count;
+  CHECK(reasons == result.remaining);
+  if (map != nullptr)
+    mission.map().for_each_block(
+        [&](const TsdfMap::Block& b) { map->ensure_block(b.index).voxels = b.voxels; });
+  return result;
+}
+
+TourPlannerOptions tour_options() {
+  TourPlannerOptions o;
+  o.distance = 2.0;
+  o.clusters = {.radius = 1.0, .max_radius = 2.0};
+  return o;
+}
+
+TEST(one_robot_reconstructs_a_box_by_rate) { fly(1, RatePlanner(), 1, 0.9); }
+TEST(two_robots_reconstruct_a_box_by_tsga) { fly(2, TsgaPlanner(tour_options()), 1, 0.98); }
+TEST(three_robots_reconstruct_a_box_by_rate_then_tours) {
+  fly(3,
+      RateThenTours<RatePlanner, MakespanPlanner>(RatePlanner(), MakespanPlanner(tour_options())),
+      1, 0.98);
+}
+TEST(threads_change_nothing) {
+  TsdfMap a({.voxel_size = 0.2}), b({.voxel_size = 0.2});
+  const MissionResult one = fly(2, RatePlanner(), 1, 0.9, &a),
+                      two = fly(2, RatePlanner(), 2, 0.9, &b);
+  CHECK(one.completion_time == two.completion_time);
+  CHECK(one.path_length == two.path_length);
+  CHECK(a.block_count() == b.block_count());
+  a.for_each_block([&](const TsdfMap::Block& block) {
+    const TsdfMap::Block* other = b.find_block(block.index);
+    CHECK(other != nullptr);
+    if (other == nullptr) return;
+    bool same = true;
+    for (std::size_t i = 0; i < TsdfMap::kBlockVoxels; ++i)
+      same = same && block.voxels[i].distance == other->voxels[i].distance &&
+             block.voxels[i].weight == other->voxels[i].weight;
+    CHECK(same);
+  });
+}
+TEST(a_planner_without_plans_ends_the_mission_with_reasons) {
+  World world;
+  Mission<NoPlan, World> mission(box_world::options(world), world, box_world::starts(1));
+  const MissionResult result = mission.run();
+  CHECK(result.complete);
+  CHECK(result.remaining > 0);
+  CHECK(result.reasons.at(LeftReason::not_attempted) == result.remaining);
+}
+TEST(progress_can_end_a_mission) {
+  World world;
+  Mission<RatePlanner, World> mission(box_world::options(world), world, box_world::starts(1));
+  int calls = 0;
+  mission.on_progress = [&](const MissionProgress&) { return ++calls < 3; };
+  const MissionResult result = mission.run();
+  CHECK(!result.complete);
+  CHECK(calls == 3);
+}
+TEST(bad_options_are_refused) {
+  World world;
+  const auto with = [&](auto change, int robots) {
+    MissionOptions o = box_world::options(world);
+    change(o);
+    const auto starts = box_world::starts(robots);
+    Mission<NoPlan, World> mission(o, world, starts);
+  };
+  CHECK_THROWS(Error, with([](MissionOptions&) {}, 0));
+  CHECK_THROWS(Error, with([](MissionOptions& o) { o.voxel_size = -0.3; }, 1));
+  CHECK_THROWS(Error, with([](MissionOptions& o) { o.image_period = 0.0; }, 1));
+  CHECK_THROWS(Error, with([](MissionOptions& o) { o.bounds = Box3(); }, 1));
+  CHECK_THROWS(Error, with([](MissionOptions& o) { o.limits.speed = 0.0; }, 1));
+}
+}  // namespace
