@@ -206,6 +206,10 @@ class TangentBug {
     const Point2 from = position_;
     const double moved = walk(step);
     followed_ += moved;
+    if (to(position_) <= eps_) {
+      phase_ = Phase::ToGoal;
+      return;
+    }
     const Point2 nearest = closest_on_segment(from, position_, goal_);
     if (to(nearest) < to(best_)) {
       best_ = nearest;
