@@ -196,9 +196,7 @@ class TrafficPolicy {
     std::vector<std::vector<Point3>> ways(others.size());
     for (std::size_t i = 0; i < others.size(); ++i) {
       const TrafficAgent& o = others[i];
-      ways[i] = o.path.size() < 2 || !before(o, me)
-                    ? std::vector<Point3>{o.position}
-                    : detail::head_of(o.path, o.speed * options.horizon);
+      ways[i] = o.path.size() < 2 || !before(o, me) ? std::vector<Point3>{o.position} : o.path;
     }
     for (double distance = 0.5; distance <= options.longest_step; distance += 0.5)
       for (int k = 0; k < 40; ++k) {

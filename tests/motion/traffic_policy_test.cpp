@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/motion/traffic_policy.hpp>
+
+#include <functional>
+
+#include <surfleet/core/random.hpp>
+#include <surfleet/motion/kinematics.hpp>
+
+#include "check.hpp"
+
+namespace {
+using namespace surfleet;
+using Free = std::function<bool(const Point3&, const Point3&)>;
+
+struct Outcome {
+  bool all_arrived = false;
+  double nearest = 1e9;  // between centres
+  double time = 0.0;
+  double longest = 0.0;  // path of one robot
+};
+
+/// Robots of radius 1 that each want to go straight to their goals, every one with a policy of its
+/// own and all deciding on the same snapshot.
+Outcome simulate(const std::vector<std::pair<Point3, Point3>>& trips, const Free& free,
+                 double limit = 400.0) {
+  enum class Mode { go, wait, aside };
+  const std::size_t n = trips.size();
+  std::vector<AerialMotion> robots;
+  std::vector<TrafficPolicy> policies(n);
+  std::vector<Mode> mode(n, Mode::wait);
+  std::vector<double> length(n, 0.0);
+  std::vector<bool> done(n, false);
+  for (const auto& [start, goal] : trips) robots.emplace_back(Configuration{start, 0.0});
+  Outcome out;
+  const double dt = 0.2;
+  for (; out.time < limit; out.time += dt) {
+    std::vector<TrafficAgent> agents(n);
+    std::size_t arrived = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      TrafficAgent& a = agents[i];
+      a.id = static_cast<int>(i);
+      a.position = robots[i].configuration().position;
+      const bool there = (a.position - trips[i].second).norm() < 0.05 && robots[i].standing();
+      done[i] = done[i] || there;  // it may still have to make way, and come back
+      a.idle = done[i];
+      arrived += there ? 1 : 0;
+      a.cornered = policies[i].cornered(out.time);
+      a.path = {a.position, trips[i].second};
+      if (mode[i] == Mode::aside && !robots[i].finished()) a.path = robots[i].remaining();
+      if (there) a.path = {a.position};
+    }
+    if (arrived == n) {
+      out.all_arrived = true;
+      break;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      if (mode[i] == Mode::aside && !robots[i].finished()) {
+        if (policies[i].too_close(agents[i], agents) >= 0)
+          robots[i].stop();
+        else
+          robots[i].resume();
+        continue;
+      }
+      TrafficAgent wish = agents[i];
+      wish.path = {wish.position, trips[i].second};
+      const Maneuver m = policies[i](wish, agents, free, out.time);
+      if (m.kind == Maneuver::Kind::none) {
+        if (mode[i] != Mode::go) {
+          if (!robots[i].standing()) continue;
+          robots[i].follow(wish.path, 0.0);
+        }
+        robots[i].resume();
+        mode[i] = Mode::go;
+      } else {
+        robots[i].stop();
+        mode[i] = Mode::wait;
+        if (m.kind == Maneuver::Kind::step_aside && robots[i].standing()) {
+          robots[i].follow(std::vector<Point3>{wish.position, m.target}, 0.0);
+          robots[i].resume();
+          mode[i] = Mode::aside;
+        }
+      }
+    }
+    for (int k = 0; k < 4; ++k) {
+      for (std::size_t i = 0; i < n; ++i) {
+        const Point3 before = robots[i].configuration().position;
+        robots[i].advance(dt / 4);
+        length[i] += (robots[i].configuration().position - before).norm();
+      }
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          out.nearest = std::min(
+              out.nearest,
+              (robots[i].configuration().position - robots[j].configuration().position).norm());
+    }
+  }
+  out.longest = *std::max_element(length.begin(), length.end());
+  return out;
+}
+const Free open_space = [](const Point3&, const Point3&) { return true; };
+/// Centres stay in |y| ≤ w, |z| ≤ 0.2: a flat corridor.
+Free corridor(double w) {
+  return [w](const Point3&, const Point3& b) {
+    return std::abs(b.y()) <= w && std::abs(b.z()) <= 0.2;
+  };
+}
+void expect_good(const Outcome& o) {
+  CHECK(o.all_arrived);
+  CHECK(o.nearest >= 2.0);
+}
+}  // namespace
+
+TEST(head_on_in_the_open_and_in_a_corridor) {
+  const std::vector<std::pair<Point3, Point3>> trips{{{-10, 0, 0}, {10, 0, 0}},
+                                                     {{10, 0.1, 0}, {-10, 0.1, 0}}};
+  expect_good(simulate(trips, open_space));
+  expect_good(simulate(trips, corridor(3.0)));
+  const auto o = simulate(trips, corridor(3.0));
+  CHECK(o.time < 90.0);  // 20 m at 0.6 m/s are 34 s
+}
+
+TEST(exactly_head_on) {
+  expect_good(simulate({{{-10, 0, 0}, {10, 0, 0}}, {{10, 0, 0}, {-10, 0, 0}}}, open_space));
+  expect_good(simulate({{{10, 0, 0}, {-10, 0, 0}}, {{-10, 0, 0}, {10, 0, 0}}}, corridor(2.7)));
+}
+
+TEST(crossing_at_right_angles) {
+  const auto o = simulate({{{-10, 0, 0}, {10, 0, 0}}, {{0, -10, 0}, {0, 10, 0}}}, open_space);
+  expect_good(o);
+  CHECK(o.longest < 20.5);  // one waits, none leaves its path
+  CHECK(o.time < 55.0);
+}
+
+TEST(five_meet_in_a_point) {
+  std::vector<std::pair<Point3, Point3>> trips;
+  for (int i = 0; i < 5; ++i) {
+    const double a = 2 * kPi * i / 5;
+    const Point3 p(12 * std::cos(a), 12 * std::sin(a), 0);
+    trips.emplace_back(p, -p);
+  }
+  expect_good(simulate(trips, open_space));
+  expect_good(
+      simulate(trips, [](const Point3&, const Point3& b) { return std::abs(b.z()) < 0.2; }));
+}
+
+TEST(random_traffic_in_a_plane) {
+  Random random(12);
+  for (int trial = 0; trial < 12; ++trial) {
+    std::vector<std::pair<Point3, Point3>> trips;
+    const auto draw = [&](bool goal) {
+      for (;;) {
+        const Point3 p(random.uniform(-12, 12), random.uniform(-12, 12), 0);
+        bool apart = true;
+        for (const auto& t : trips) apart = apart && ((goal ? t.second : t.first) - p).norm() > 3.5;
+        if (apart) return p;
+      }
+    };
+    for (int i = 0; i < 4; ++i) {
+      const Point3 start = draw(false), goal = draw(true);
+      trips.emplace_back(start, goal);
+    }
+    expect_good(simulate(trips, [](const Point3&, const Point3& b) {
+      return b.head<2>().cwiseAbs().maxCoeff() < 16 && std::abs(b.z()) < 0.2;
+    }));
+  }
+}
+
+TEST(an_idle_robot_makes_way_and_comes_back) {
+  expect_good(simulate({{{-10, 0, 0}, {10, 0, 0}}, {{0, 0.2, 0}, {0, 0.2, 0}}}, open_space));
+}
+
+TEST(a_senior_yields_to_a_cornered_robot) {
+  // The junior sits in a dead end; the senior wants in, and has a niche at x < −4 to go to.
+  const Free slot = [](const Point3& a, const Point3& b) {
+    for (int k = 0; k <= 40; ++k) {
+      const Point3 p = a + (b - a) * (k / 40.0);
+      if (std::abs(p.z()) > 0.2 || p.x() > 3.3 || (std::abs(p.y()) > 0.3 && p.x() > -4))
+        return false;
+    }
+    return true;
+  };
+  TrafficPolicy policy;
+  TrafficAgent junior{.id = 1, .position = {3, 0, 0}, .path = {{3, 0, 0}, {-10, 0, 0}}};
+  const TrafficAgent senior{.id = 0, .position = {-5, 0, 0}, .path = {{-5, 0, 0}, {4, 0, 0}}};
+  const std::vector<TrafficAgent> others{senior};
+  CHECK(policy(junior, others, slot, 0.0).kind == Maneuver::Kind::stop);
+  CHECK(policy.cornered(1.0));
+  junior.cornered = true;
+  TrafficPolicy theirs;
+  const std::vector<TrafficAgent> seen{junior};
+  const auto m = theirs(senior, seen, slot, 1.0);
+  CHECK(m.kind == Maneuver::Kind::step_aside);
+  CHECK(std::abs(m.target.y()) >= 2.4);
+}
+
+TEST(segment_distance_matches_sampling) {
+  Random random(2);
+  const auto draw = [&] {
+    return Point3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+  };
+  for (int i = 0; i < 200; ++i) {
+    const Point3 a = draw(), b = i % 7 == 0 ? a : draw(), c = draw(),
+                 d = i % 5 == 0 ? Point3(c + 0.5 * (b - a)) : draw();
+    double best = 1e9;
+    for (int s = 0; s <= 60; ++s)
+      for (int t = 0; t <= 60; ++t)
+        best = std::min(best, (a + (b - a) * (s / 60.0) - c - (d - c) * (t / 60.0)).norm());
+    const double got = detail::segment_distance(a, b, c, d);
+    CHECK(got <= best + 1e-12);
+    CHECK(got >= best - 0.05);
+  }
+}
