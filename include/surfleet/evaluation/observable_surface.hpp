@@ -11,8 +11,10 @@
 ///    are zero, the mount is fixed),
 /// 4. meets the surface at no more than the incidence limit,
 /// 5. sees the point: the ray from the camera to it is not blocked.
-/// The lattice makes the answer a lower bound of what a continuum of positions could see; a finer
-/// spacing tightens it. The start joins the lattice through the free nodes next to it.
+/// All nodes carry the flood of 2, every `stride`-th along each axis (and a choice of others in
+/// front of the point) is looked from. The lattice makes the answer a lower bound of what a
+/// continuum of positions could see; a finer spacing tightens it. The start joins the lattice
+/// through the free nodes next to it.
 #pragma once
 
 #include <algorithm>
@@ -179,6 +181,7 @@ struct ObservabilityOptions {
   Pose T_body_camera = forward_camera_mount();
   double max_incidence = radians(80.0);  ///< Between the ray and the surface's normal [rad].
   bool two_sided = true;     ///< Either side of a triangle counts; for soups without orientation.
+  int stride = 2;            ///< Every so many-th node is looked from; all carry the flood.
   double tolerance = 0.005;  ///< A hit this near before the point does not block it [m].
   int threads = 1;
 };
@@ -195,28 +198,63 @@ struct ObservableSurface {
   }
 };
 
-/// Whether the camera on a body at `position`, turned to face it, has `sample` in its image and
-/// range, and where the camera then is. Occlusion is not looked at.
-inline bool in_view_at_best_heading(const Point3& position, const Point3& sample,
-                                    const ObservabilityOptions& options, Point3& camera_position) {
-  const Eigen::Vector3d offset = options.T_body_camera.translation();
-  const Eigen::Vector3d axis = options.T_body_camera.linear().col(2);
-  const Eigen::Vector3d to_sample = sample - position;
-  const double axis_heading = axis.head<2>().norm() > 1e-6 ? std::atan2(axis.y(), axis.x()) : 0.0;
-  const double yaw = std::atan2(to_sample.y(), to_sample.x()) - axis_heading;
-  const Eigen::AngleAxisd turn(yaw, Eigen::Vector3d::UnitZ());
-  camera_position = position + turn * offset;
-  const Point3 p_camera = options.T_body_camera.inverse() * (turn.inverse() * to_sample);
-  return p_camera.z() >= options.camera.min_range && p_camera.z() <= options.camera.max_range &&
-         options.camera.project(p_camera).has_value();
-}
+/// What a camera on a level body has in view once the body has turned so that the optical axis lies
+/// in the vertical plane of the point (a camera that looks straight up or down: the body's x axis).
+class BestHeadingView {
+ public:
+  BestHeadingView(const PinholeCamera& camera, const Pose& T_body_camera)
+      : camera_(camera),
+        offset_(T_body_camera.translation()),
+        R_camera_body_(T_body_camera.linear().transpose()) {
+    const Eigen::Vector3d axis = T_body_camera.linear().col(2);
+    const double level = axis.head<2>().norm();
+    if (level > 1e-6) heading_ = axis.head<2>() / level;
+    // The point stands in the middle column unless the camera is rolled or looks up or down.
+    const bool upright = level > 1e-6 && std::abs(T_body_camera.linear()(2, 0)) < 1e-9;
+    for (const double u : {-0.5, camera.width - 0.5})
+      for (const double v : {-0.5, camera.height - 0.5})
+        reach_ = std::max(reach_, camera.ray(upright ? camera.cx : u, v).norm());
+    reach_ = camera.max_range * reach_ + 2.0 * offset_.norm();
+  }
+
+  /// No point farther than this from the body is in view [m].
+  double reach() const { return reach_; }
+
+  /// Whether `sample` is in range and in the image from `position`; occlusion is not looked at.
+  bool sees(const Point3& position, const Point3& sample) const {
+    const Eigen::Vector3d to_sample = sample - position;
+    const double level = to_sample.head<2>().norm();
+    const Eigen::Vector3d in_body(level * heading_.x(), level * heading_.y(), to_sample.z());
+    const Point3 p_camera = R_camera_body_ * (in_body - offset_);
+    return p_camera.z() >= camera_.min_range && p_camera.z() <= camera_.max_range &&
+           camera_.project(p_camera).has_value();
+  }
+  /// Where the camera is then.
+  Point3 eye(const Point3& position, const Point3& sample) const {
+    const Eigen::Vector2d to_sample = (sample - position).head<2>();
+    const double level = to_sample.norm();
+    if (level < 1e-12) return position + offset_;
+    const Eigen::Vector2d d = to_sample / level;
+    // Turning the heading onto the direction of the point.
+    const double c = heading_.dot(d), s = heading_.x() * d.y() - heading_.y() * d.x();
+    return position + Point3(c * offset_.x() - s * offset_.y(), s * offset_.x() + c * offset_.y(),
+                             offset_.z());
+  }
+
+ private:
+  PinholeCamera camera_;
+  Eigen::Vector3d offset_;
+  Eigen::Matrix3d R_camera_body_;
+  Eigen::Vector2d heading_ = Eigen::Vector2d::UnitX();
+  double reach_ = 0.0;
+};
 
 /// Which of `samples` (with normals) the camera could have seen from the lattice; see the head of
 /// this file for what "could" means. Rays are cast by `scene`, the true surface.
 ///
 /// Each sample first tries a few dozen positions ordered by their angle to its normal, which
-/// settles most of what is visible, then every node in range, frontal ones first, until one sees
-/// it. O(samples × nodes in range) at worst.
+/// settles most of what is visible, then every `stride`-th node in range, frontal ones first, until
+/// one sees it. O(samples × nodes in range / stride³) rays at worst.
 template <RayCaster Caster>
 ObservableSurface observable_surface(const PointCloud& samples, const Caster& scene,
                                      const ReachableLattice& lattice,
@@ -225,17 +263,13 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
           "observable surface: expected samples with normals");
   require(options.max_incidence > 0.0 && options.max_incidence <= 0.5 * kPi,
           "observable surface: expected an incidence limit in (0, 90] degrees");
+  require(options.stride >= 1, "observable surface: expected a stride of 1 or more");
   const double min_cosine = std::cos(options.max_incidence);
   const PinholeCamera& camera = options.camera;
-  // The farthest that a point of the image can be from the body.
-  const double corner = camera
-                            .ray(camera.cx > 0.5 * (camera.width - 1) ? -0.5 : camera.width - 0.5,
-                                 camera.cy > 0.5 * (camera.height - 1) ? -0.5 : camera.height - 0.5)
-                            .norm();
-  const double reach = camera.max_range * corner + options.T_body_camera.translation().norm();
-
-  // Directions over the hemisphere, nearest to the pole first, and the offsets of all nodes in
-  // range, shared by all samples.
+  const BestHeadingView view(camera, options.T_body_camera);
+  const double reach = view.reach();
+  const int stride = options.stride;
+  // Directions over the hemisphere, nearest to the pole first.
   std::vector<Eigen::Vector3d> fan{Eigen::Vector3d::UnitZ()};
   for (const auto& [angle, count] : {std::pair{0.35, 6}, {0.7, 8}, {1.05, 12}})
     for (int k = 0; k < count && angle < options.max_incidence; ++k) {
@@ -262,8 +296,8 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
           return (options.two_sided ? std::abs(along) : along) >= min_cosine * to_camera.norm();
         };
         const auto sees = [&](const Point3& q) {
-          Point3 eye;
-          if (!in_view_at_best_heading(q, p, options, eye)) return false;
+          if (!view.sees(q, p)) return false;
+          const Point3 eye = view.eye(q, p);
           const Eigen::Vector3d ray = p - eye;
           const double length = ray.norm();
           if (length < 1e-9 || !facing(-ray)) return false;
@@ -287,20 +321,21 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
         }
         std::vector<std::pair<float, Point3>> candidates;
         const Eigen::Vector3i centre = lattice.nearest_node(p);
-        const Eigen::Vector3i low = (centre.array() - shell).max(0);
-        const Eigen::Vector3i high = (centre.array() + shell).min(lattice.size().array() - 1);
-        for (int z = low.z(); z <= high.z(); ++z)
-          for (int y = low.y(); y <= high.y(); ++y)
-            for (int x = low.x(); x <= high.x(); ++x) {
+        const auto first = [&](int k) {
+          return (std::max(centre[k] - shell, 0) + stride - 1) / stride * stride;
+        };
+        const Eigen::Vector3i last = (centre.array() + shell).min(lattice.size().array() - 1);
+        for (int z = first(2); z <= last.z(); z += stride)
+          for (int y = first(1); y <= last.y(); y += stride)
+            for (int x = first(0); x <= last.x(); x += stride) {
               const Eigen::Vector3i node(x, y, z);
               if (!lattice.reached(node)) continue;
               const Point3 q = lattice.position(node);
-              Point3 eye;
-              if ((q - p).squaredNorm() > reach * reach ||
-                  !in_view_at_best_heading(q, p, options, eye) || !facing(eye - p))
-                continue;
-              const Eigen::Vector3d ray = (eye - p).normalized();
-              candidates.emplace_back(static_cast<float>(-std::abs(ray.dot(normal))), q);
+              const Eigen::Vector3d away = q - p;
+              if (away.squaredNorm() > reach * reach || !view.sees(q, p)) continue;
+              const double cosine = away.dot(normal) / std::max(away.norm(), 1e-12);
+              if (!options.two_sided && cosine < 0.0) continue;
+              candidates.emplace_back(static_cast<float>(-std::abs(cosine)), q);
             }
         std::stable_sort(candidates.begin(), candidates.end(),
                          [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -48,9 +48,10 @@ inline std::string escape_markup(std::string_view text) {
 
 /// One curve. Points with a value that is not finite interrupt it.
 struct PlotSeries {
-  std::string label;              ///< Empty: not in the legend.
-  std::vector<double> x, y;       ///< Of equal length.
-  std::vector<double> low, high;  ///< A band drawn around it; empty or of the same length.
+  std::string label = {};                   ///< Empty: not in the legend.
+  std::vector<double> x = {}, y = {};       ///< Of equal length.
+  std::vector<double> low = {};             ///< A band drawn around it, from `low` …
+  std::vector<double> high = {};            ///< … to `high`; empty or of the same length.
   std::optional<Rgb> color = std::nullopt;  ///< By default the next of `categorical_color`.
   bool dashed = false;
   bool stepped = false;  ///< Each value holds until the next x.

@@ -2,7 +2,7 @@
 /// @file  A small software renderer: shaded meshes with shadows, paths and points, as pictures.
 ///
 /// @code
-/// Rasterizer picture(frame_box(mesh.bounds(), radians(35), radians(25), 1600, 1000));
+/// Rasterizer picture(frame_points(mesh.vertices, radians(35), radians(25), 1600, 1000));
 /// picture.draw(mesh);
 /// picture.draw_polyline(path, categorical_color(0));
 /// write_png("view.png", picture.image());
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/core/parallel.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/evaluation/color_map.hpp>
 #include <surfleet/evaluation/image.hpp>
@@ -35,53 +36,64 @@ struct RenderView {
   int width = 1280, height = 800;       ///< [px]
 };
 
-/// A view of the whole `box` from the direction with the given azimuth (about +z from +x) and
-/// elevation [rad]; `orthographic` for plans and elevations.
-inline RenderView frame_box(const Box3& box, double azimuth, double elevation, int width,
-                            int height, bool orthographic = false) {
+/// The tightest view of all `points` from the direction with the given azimuth (about +z from +x)
+/// and elevation [rad], with a margin of 4 %; `orthographic` for plans and elevations. O(points).
+inline RenderView frame_points(std::span<const Point3> points, double azimuth, double elevation,
+                               int width, int height, bool orthographic = false) {
   RenderView view;
   view.width = width;
   view.height = height;
-  if (box.isEmpty()) return view;
+  if (points.empty()) return view;
   const Eigen::Vector3d back(std::cos(azimuth) * std::cos(elevation),
                              std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
   const Eigen::Vector3d right(-std::sin(azimuth), std::cos(azimuth), 0.0);
   const Eigen::Vector3d up = back.cross(right);
-  const double tangent_y = std::tan(0.5 * view.vertical_fov);
-  const double tangent_x = tangent_y * width / height;
   view.up = up;
-  // Silhouette of the eight corners: the least distance at which all are in view, then centred.
-  Eigen::Vector3d centre = box.center();
-  double distance = 1e-3, half_x = 1e-6, half_y = 1e-6;
-  for (int round = 0; round < 8; ++round) {
-    distance = 1e-3;
-    for (int k = 0; k < 8; ++k) {
-      const Eigen::Vector3d v = box.corner(static_cast<Box3::CornerType>(k)) - centre;
-      distance = std::max({distance, v.dot(back) + std::abs(v.dot(right)) / tangent_x,
-                           v.dot(back) + std::abs(v.dot(up)) / tangent_y});
+  constexpr double kMargin = 1.04;
+  const double tangent_y = std::tan(0.5 * view.vertical_fov) / kMargin;
+  const double tangent_x = tangent_y * width / height;
+  // Each side of the view is a plane of known slope that all points lie behind. In the units
+  // below (u: right or up over its tangent, w: towards the eye) the two planes of a pair are
+  // w = eye.w - |u - eye.u|, so the eye stands where those through the extremes meet.
+  struct Pair {
+    double high = -1e300, low = -1e300;
+    void add(double u, double w) {
+      high = std::max(high, w + u);
+      low = std::max(low, w - u);
     }
-    double low_x = 1e300, high_x = -1e300, low_y = 1e300, high_y = -1e300;
-    half_x = half_y = 1e-6;
-    for (int k = 0; k < 8; ++k) {
-      const Eigen::Vector3d v = box.corner(static_cast<Box3::CornerType>(k)) - centre;
-      const double depth = orthographic ? distance : distance - v.dot(back);
-      low_x = std::min(low_x, v.dot(right) / depth);
-      high_x = std::max(high_x, v.dot(right) / depth);
-      low_y = std::min(low_y, v.dot(up) / depth);
-      high_y = std::max(high_y, v.dot(up) / depth);
-      half_x = std::max(half_x, std::abs(v.dot(right)));
-      half_y = std::max(half_y, std::abs(v.dot(up)));
-    }
-    centre += 0.5 * distance * ((low_x + high_x) * right + (low_y + high_y) * up);
+    double along() const { return 0.5 * (high - low); }
+    double back() const { return 0.5 * (high + low); }
+  };
+  const double flat = orthographic ? 0.0 : 1.0;
+  Pair horizontal, vertical;
+  double nearest = -1e300, farthest = 1e300;
+  for (const Point3& p : points) {
+    const double w = p.dot(back);
+    nearest = std::max(nearest, w);
+    farthest = std::min(farthest, w);
+    horizontal.add(p.dot(right) / tangent_x, flat * w);
+    vertical.add(p.dot(up) / tangent_y, flat * w);
   }
-  constexpr double kMargin = 1.05;
-  view.target = centre;
-  view.eye = centre + kMargin * distance * back;
+  const double depth = std::max(nearest - farthest, 1e-3);
+  double eye_back = std::max(horizontal.back(), vertical.back());
   if (orthographic) {
-    view.orthographic_height = 2.0 * kMargin * std::max(half_y, half_x * height / width);
-    view.eye = centre + 2.0 * (box.sizes().norm() + 1.0) * back;
+    view.orthographic_height = std::max(2.0 * tangent_y * eye_back * kMargin, 1e-6);
+    eye_back = nearest + depth;
   }
+  eye_back = std::max(eye_back, nearest + 1e-3 * depth);
+  view.eye =
+      horizontal.along() * tangent_x * right + vertical.along() * tangent_y * up + eye_back * back;
+  view.target = view.eye - (eye_back - 0.5 * (nearest + farthest)) * back;
   return view;
+}
+
+/// The same for the corners of `box`.
+inline RenderView frame_box(const Box3& box, double azimuth, double elevation, int width,
+                            int height, bool orthographic = false) {
+  std::vector<Point3> corners;
+  for (int k = 0; k < 8 && !box.isEmpty(); ++k)
+    corners.push_back(box.corner(static_cast<Box3::CornerType>(k)));
+  return frame_points(corners, azimuth, elevation, width, height, orthographic);
 }
 
 struct MeshStyle {
@@ -98,6 +110,7 @@ struct RenderStyle {
   double occlusion = 0.9;        ///< Strength of the darkening of corners and edges.
   double hidden_opacity = 0.28;  ///< Of lines and points behind a surface.
   int supersampling = 2;         ///< Samples a pixel in each direction, 1 to 4.
+  int threads = 1;               ///< For `image()`; the picture is the same for any number.
 };
 
 /// Draws into a z-buffer; `image()` shades it. Order of drawing does not matter.
@@ -138,9 +151,10 @@ class Rasterizer {
       world_.extend(corners[0].world).extend(corners[1].world).extend(corners[2].world);
       if (style_.shadows)
         shadow_casters_.push_back({corners[0].world, corners[1].world, corners[2].world});
-      fill(camera_, corners, [&](std::size_t i, double z, const Eigen::Vector3d& w) {
+      fill(camera_, corners, [&](std::size_t i, double z, const auto& weights) {
         if (z >= depth_[i]) return;
         depth_[i] = static_cast<float>(z);
+        const Eigen::Vector3d w = weights();
         Eigen::Vector3f color = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero();
         for (std::size_t k = 0; k < 3; ++k) {
           color += static_cast<float>(w[static_cast<int>(k)]) * corners[k].color;
@@ -186,7 +200,8 @@ class Rasterizer {
     const auto to_linear = [&](Rgb c) {
       return Eigen::Vector3f(decode[c[0]], decode[c[1]], decode[c[2]]);
     };
-    for (int y = 0; y < h; ++y)
+    const auto shade_row = [&](std::size_t row) {
+      const int y = static_cast<int>(row);
       for (int x = 0; x < w; ++x) {
         const std::size_t i = camera_.index(x, y);
         const float f = static_cast<float>(y) / static_cast<float>(std::max(h - 1, 1));
@@ -205,7 +220,7 @@ class Rasterizer {
                                         (0.22 + 0.30 * sky) * Eigen::Vector3d(0.90, 0.96, 1.06);
           const double strength = s.light / 200.0;
           const Eigen::Vector3d shaded =
-              light * (1.0 - style_.occlusion * static_cast<double>(corners[i]));
+              light * (1.0 - style_.occlusion * static_cast<double>(corners[output_index(x, y)]));
           color = to_linear(s.color).cwiseProduct(
               (shaded * strength + Eigen::Vector3d::Constant(1.0 - strength)).cast<float>());
         }
@@ -218,7 +233,13 @@ class Rasterizer {
         }
         linear[i] = color;
       }
+    };
+    parallel_for(static_cast<std::size_t>(h), style_.threads, shade_row, 8);
     Image picture(view_.width, view_.height);
+    constexpr std::size_t kCodes = 1 << 14;  // steps of light, finer than the steps of sRGB
+    std::vector<std::uint8_t> code(kCodes);
+    for (std::size_t i = 0; i < kCodes; ++i)
+      code[i] = detail::to_byte(linear_to_srgb(static_cast<double>(i) / (kCodes - 1)));
     const float share = 1.0F / static_cast<float>(scale_ * scale_);
     for (int y = 0; y < view_.height; ++y)
       for (int x = 0; x < view_.width; ++x) {
@@ -226,11 +247,11 @@ class Rasterizer {
         for (int v = 0; v < scale_; ++v)
           for (int u = 0; u < scale_; ++u)
             sum += linear[camera_.index(x * scale_ + u, y * scale_ + v)].cwiseMin(1.0F);
-        sum *= share;
-        picture.set(
-            x, y,
-            {detail::to_byte(linear_to_srgb(sum[0])), detail::to_byte(linear_to_srgb(sum[1])),
-             detail::to_byte(linear_to_srgb(sum[2]))});
+        sum *= share * (kCodes - 1);
+        picture.set(x, y,
+                    {code[static_cast<std::size_t>(sum[0] + 0.5F)],
+                     code[static_cast<std::size_t>(sum[1] + 0.5F)],
+                     code[static_cast<std::size_t>(sum[2] + 0.5F)]});
       }
     return picture;
   }
@@ -301,7 +322,7 @@ class Rasterizer {
     }
   };
 
-  /// Calls `put(pixel, depth, weights of the three corners)` for the pixels of a triangle, cut at
+  /// Calls `put(pixel, depth, weights)` for the pixels of a triangle, cut at
   /// the near plane.
   template <typename Put>
   static void fill(const Frame& frame, const std::array<Corner, 3>& corners, Put&& put) {
@@ -350,7 +371,7 @@ class Rasterizer {
         const double sum = wa * qa + wb * qb + wc * qc;
         const double ua = wa * qa / sum, ub = wb * qb / sum, uc = wc * qc / sum;
         put(frame.index(x, y), ua * a.z() + ub * b.z() + uc * c.z(),
-            (ua * va.second + ub * vb.second + uc * vc.second).eval());
+            [&] { return Eigen::Vector3d(ua * va.second + ub * vb.second + uc * vc.second); });
       }
   }
 
@@ -391,8 +412,8 @@ class Rasterizer {
       const int cx = static_cast<int>(std::lround(p.x())),
                 cy = static_cast<int>(std::lround(p.y()));
       double lit = 0.0, weight = 0.0;
-      for (int y = cy - 2; y <= cy + 2; ++y)
-        for (int x = cx - 2; x <= cx + 2; ++x) {
+      for (int y = cy - 1; y <= cy + 1; ++y)
+        for (int x = cx - 1; x <= cx + 1; ++x) {
           if (x < 0 || y < 0 || x >= frame.width || y >= frame.height) continue;
           weight += 1.0;
           if (depth[frame.index(x, y)] >= p.z() - 1.5 * texel) lit += 1.0;
@@ -417,54 +438,77 @@ class Rasterizer {
       corners[0].world = a;
       corners[1].world = b;
       corners[2].world = c;
-      fill(map.frame, corners, [&](std::size_t i, double z, const Eigen::Vector3d&) {
+      fill(map.frame, corners, [&](std::size_t i, double z, const auto&) {
         map.depth[i] = std::min(map.depth[i], static_cast<float>(z));
       });
     }
     return map;
   }
 
-  /// How much each pixel of a surface lies below its surroundings on the screen, in [0, 1]: rings
-  /// of neighbours that are nearer to the camera than the surface's own plane would be.
+  std::size_t output_index(int x, int y) const {
+    return static_cast<std::size_t>(y / scale_) * static_cast<std::size_t>(view_.width) +
+           static_cast<std::size_t>(x / scale_);
+  }
+
+  /// How deep in a corner each output pixel lies, in [0, 1]: the share of its surroundings on the
+  /// screen that rise above its own plane near it.
   std::vector<float> corner_darkness() const {
     const int w = camera_.width, h = camera_.height;
-    std::vector<float> darkness(depth_.size(), 0.0F);
+    std::vector<float> darkness(
+        static_cast<std::size_t>(view_.width) * static_cast<std::size_t>(view_.height), 0.0F);
     if (!(style_.occlusion > 0.0)) return darkness;
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        const std::size_t i = camera_.index(x, y);
-        if (!(depth_[i] < kFar)) continue;
-        const Point3 p = camera_.to_world(x, y, depth_[i]);
-        Eigen::Vector3d n = surface_[i].normal.cast<double>();
-        if (n.dot(camera_.orthographic ? (-camera_.forward).eval() : (camera_.eye - p).eval()) <
-            0.0)
-          n = -n;
-        double sum = 0.0;
-        int count = 0;
-        // A spiral turned from pixel to pixel, so that its pattern averages out.
-        const double start =
-            2.0 * kPi *
-            std::fmod(52.9829189 * std::fmod(0.06711056 * x + 0.00583715 * y, 1.0), 1.0);
-        constexpr int kTaps = 12;
-        for (int k = 0; k < kTaps; ++k) {
-          const double radius = 0.035 * h * std::sqrt((k + 0.5) / kTaps);
-          const double angle = start + 2.39996323 * k;
-          const int u = x + static_cast<int>(std::lround(radius * std::cos(angle)));
-          const int v = y + static_cast<int>(std::lround(radius * std::sin(angle)));
-          if (u < 0 || v < 0 || u >= w || v >= h) continue;
-          ++count;
-          const std::size_t j = camera_.index(u, v);
-          if (!(depth_[j] < kFar)) continue;
-          const Eigen::Vector3d d = camera_.to_world(u, v, depth_[j]) - p;
-          const double size = radius * (camera_.orthographic ? 1.0 : depth_[i]) / camera_.focal;
-          const double distance = d.norm();
-          const double above = d.dot(n) / std::max(distance, 1e-9);
-          // What is much nearer to the camera is another thing and does not shade.
-          const double fade = std::clamp(2.0 - distance / (2.5 * size), 0.0, 1.0);
-          sum += std::max(0.0, above - 0.08) * fade;
-        }
-        if (count > 0) darkness[i] = static_cast<float>(std::min(1.0, 1.1 * sum / count));
+    // A spiral of neighbours, turned from pixel to pixel so that its pattern averages out.
+    constexpr int kTaps = 12, kTurns = 16;
+    std::array<std::array<Eigen::Vector2i, kTaps>, kTurns> turns;
+    std::array<double, kTaps> radius{};
+    for (std::size_t k = 0; k < kTaps; ++k) {
+      const double place = static_cast<double>(k) + 0.5;
+      radius[k] = 0.035 * h * std::sqrt(place / kTaps);
+      for (std::size_t t = 0; t < kTurns; ++t) {
+        const double angle = 2.39996323 * place + 2.0 * kPi * static_cast<double>(t) / kTurns;
+        turns[t][k] = Eigen::Vector2i(static_cast<int>(std::lround(radius[k] * std::cos(angle))),
+                                      static_cast<int>(std::lround(radius[k] * std::sin(angle))));
       }
+    }
+    const auto darken = [&](int x, int y) {
+      const std::size_t i = camera_.index(x, y);
+      if (!(depth_[i] < kFar)) return;
+      const Point3 p = camera_.to_world(x, y, depth_[i]);
+      Eigen::Vector3d n = surface_[i].normal.cast<double>();
+      const Eigen::Vector3d to_eye =
+          camera_.orthographic ? (-camera_.forward).eval() : (camera_.eye - p).eval();
+      if (n.dot(to_eye) < 0.0) n = -n;
+      const auto& taps = turns[(static_cast<std::size_t>(x / scale_) * 5 +
+                                static_cast<std::size_t>(y / scale_) * 3) %
+                               kTurns];
+      double sum = 0.0;
+      int count = 0;
+      for (int k = 0; k < kTaps; ++k) {
+        const int u = x + taps[static_cast<std::size_t>(k)].x();
+        const int v = y + taps[static_cast<std::size_t>(k)].y();
+        if (u < 0 || v < 0 || u >= w || v >= h) continue;
+        ++count;
+        const std::size_t j = camera_.index(u, v);
+        if (!(depth_[j] < kFar)) continue;
+        const Eigen::Vector3d d = camera_.to_world(u, v, depth_[j]) - p;
+        const double size = radius[static_cast<std::size_t>(k)] *
+                            (camera_.orthographic ? 1.0 : static_cast<double>(depth_[i])) /
+                            camera_.focal;
+        const double distance = d.norm();
+        const double above = d.dot(n) / std::max(distance, 1e-9);
+        // What is much nearer to the camera is another thing and does not shade.
+        const double fade = std::clamp(2.0 - distance / (2.5 * size), 0.0, 1.0);
+        sum += std::max(0.0, above - 0.08) * fade;
+      }
+      if (count > 0)
+        darkness[output_index(x, y)] = static_cast<float>(std::min(1.0, 1.1 * sum / count));
+    };
+    parallel_for(
+        static_cast<std::size_t>(view_.height), style_.threads,
+        [&](std::size_t y) {
+          for (int x = 0; x < view_.width; ++x) darken(x * scale_, static_cast<int>(y) * scale_);
+        },
+        8);
     return darkness;
   }
 
