@@ -35,6 +35,7 @@ void check_promises(const ViewpointSet& set, std::span<const IncompleteElement> 
     CHECK(placed.contains(e.position));
     CHECK(line.sees(placed.eye(), e.voxel));
     CHECK(is_free(v.configuration));
+    CHECK(!options.known_eye || states.at(placed.eye()) == VoxelState::empty);
     CHECK_NEAR((placed.eye() - e.position).normalized().dot(v.direction), 1.0, 1e-9);
     CHECK(e.direction.isZero() ||
           e.direction.dot(v.direction) >= std::cos(options.max_angle) - 1e-9);
@@ -57,9 +58,9 @@ TEST(a_free_wall_gets_the_ideal_poses) {
   const VoxelStateMap states(map);
   const auto elements = elements_of(map);
   CHECK(elements.size() == 80);
-  const ViewpointOptions options{.distance = 4.0};
   const EmptyBall is_free{&states, 0.0};
-  // The rim's directions lean outwards by less than what leaves the known space.
+  ViewpointOptions options{.distance = 4.0};
+  options.known_eye = false;  // the rim's directions lean outwards, to where nothing is known
   const ViewpointSet set =
       generate_viewpoints(std::span(elements), states, kCamera, options, AlwaysTrue{});
   check_promises(set, elements, states, options, AlwaysTrue{});
@@ -70,6 +71,7 @@ TEST(a_free_wall_gets_the_ideal_poses) {
     CHECK(v.direction.dot(e.direction) > 0.999);
     CHECK(std::abs(wrap_angle(v.configuration.yaw - kPi)) < radians(50));
   }
+  options.known_eye = true;
   const ViewpointSet inside =
       generate_viewpoints(std::span(elements), states, kCamera, options, is_free);
   check_promises(inside, elements, states, options, is_free);
@@ -116,7 +118,7 @@ TEST(a_blocked_ideal_pose_is_replaced) {
   const TsdfMap map = wall_scene(12, 30);
   const VoxelStateMap states(map);
   const auto elements = elements_of(map);
-  const ViewpointOptions options{.distance = 4.0};
+  const ViewpointOptions options{.distance = 4.0, .known_eye = false};
   // Taken: everything farther from the wall than three metres.
   const auto near_only = [&](const Configuration& q) {
     return q.position.x() < 3.0 && states.at(q.position) == VoxelState::empty;

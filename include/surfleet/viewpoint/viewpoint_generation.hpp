@@ -10,6 +10,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <utility>
@@ -47,6 +48,13 @@ struct EmptyBall {
     const VoxelStateMap::Grid& grid = map->grid();
     if (state(grid.index_of(q.position)) != VoxelState::empty) return false;
     const Eigen::Vector3d r = Eigen::Vector3d::Constant(radius);
+    for (int axis = 0; axis < 3; ++axis) {  // what is not free mostly shows at the far ends
+      const double reach = std::max(0.0, radius - 0.87 * grid.voxel_size());
+      for (const double side : {-reach, reach}) {
+        const Point3 p = q.position + side * Eigen::Vector3d::Unit(axis);
+        if (state(grid.index_of(p)) != VoxelState::empty) return false;
+      }
+    }
     const VoxelIndex low = grid.index_of(q.position - r), high = grid.index_of(q.position + r);
     for (int z = low.z(); z <= high.z(); ++z)
       for (int y = low.y(); y <= high.y(); ++y)
@@ -72,22 +80,31 @@ struct ViewpointOptions {
       radians(3.0);     ///< Kept between elements and the image's upper and lower edge [rad].
   int max_tries = 256;  ///< Poses that are asked about for one element.
   bool unknown_blocks = false;  ///< Whether unknown voxels end the line of sight.
+  bool known_eye = true;        ///< Whether the camera must be in a voxel known to be empty.
   Pose T_body_camera = forward_camera_mount();
 };
 
 namespace detail {
+/// A line of sight, from the element to the camera, and how the robot stands to look along it.
+struct ViewLine {
+  Eigen::Vector3d direction;     ///< Unit.
+  double yaw = 0.0;              ///< That turns the optical axis over the azimuth of −direction.
+  Eigen::Vector3d eye_offset;    ///< From the body's to the camera's position, world frame [m].
+  double depth_per_metre = 0.0;  ///< Along the optical axis.
+};
+
 /// The lines of sight from which a mounted camera can have a point in its image at all, whatever
 /// the robot's heading: a band of elevations about the optical axis.
-class ViewDirections {
+class ViewLines {
  public:
-  ViewDirections(const ViewFrustum& frustum, const ViewpointOptions& o) {
+  ViewLines(const ViewFrustum& frustum, const ViewpointOptions& o)
+      : axis_(frustum.axis()), eye_(frustum.T_body_camera().translation()) {
     const PinholeCamera& c = frustum.camera();
-    const Eigen::Vector3d axis = frustum.axis();
     const double up = std::atan((c.cy + 0.5) / c.fy);
     const double down = std::atan((c.height - 0.5 - c.cy) / c.fy);
     const double half = std::max(0.0, std::min(up, down) - o.margin);
-    const double center = -std::asin(std::clamp(axis.z(), -1.0, 1.0));
-    axis_azimuth_ = axis.head<2>().norm() > 1e-9 ? std::atan2(axis.y(), axis.x()) : 0.0;
+    const double center = -std::asin(std::clamp(axis_.z(), -1.0, 1.0));
+    axis_azimuth_ = axis_.head<2>().norm() > 1e-9 ? std::atan2(axis_.y(), axis_.x()) : 0.0;
     low_ = std::max(-0.5 * kPi, center - half);
     high_ = std::min(0.5 * kPi, center + half);
     const int levels = 1 + static_cast<int>(std::ceil((high_ - low_) / o.angle_step - 1e-9));
@@ -96,32 +113,22 @@ class ViewDirections {
           levels == 1 ? low_ : low_ + (high_ - low_) * i / static_cast<double>(levels - 1);
       const int around = std::max(
           1, static_cast<int>(std::ceil(2.0 * kPi * std::cos(elevation) / o.angle_step - 1e-6)));
-      for (int k = 0; k < around; ++k) fan_.push_back(unit(2.0 * kPi * k / around, elevation));
+      for (int k = 0; k < around; ++k)
+        fan_.push_back(line(unit(2.0 * kPi * k / around, elevation)));
     }
   }
 
-  /// Directions over the whole band, about an angle step apart.
-  std::span<const Eigen::Vector3d> fan() const { return fan_; }
+  /// Lines over the whole band, about an angle step apart.
+  std::span<const ViewLine> fan() const { return fan_; }
 
-  /// The direction of the band that is nearest to `n`; nothing if all are equally near.
-  std::optional<Eigen::Vector3d> nearest(const Eigen::Vector3d& n) const {
+  /// The line of the band that is nearest to the direction `n`; nothing if many are equally near.
+  std::optional<ViewLine> nearest(const Eigen::Vector3d& n) const {
     const double level = n.head<2>().norm();
     const double elevation = std::atan2(n.z(), level);
     const double clamped = std::clamp(elevation, low_, high_);
-    if (elevation == clamped) return n;
+    if (elevation == clamped) return line(n);
     if (level < 1e-6) return std::nullopt;
-    return unit(std::atan2(n.y(), n.x()), clamped);
-  }
-
-  /// Heading and position that put the camera at `eye` with its axis over the azimuth of −`d`.
-  Configuration configuration(const ViewFrustum& frustum, const Point3& eye,
-                              const Eigen::Vector3d& d) const {
-    const double azimuth = d.head<2>().norm() > 1e-9 ? std::atan2(-d.y(), -d.x()) : 0.0;
-    Configuration q;
-    q.yaw = wrap_angle(azimuth - axis_azimuth_);
-    q.position = eye - Eigen::AngleAxisd(q.yaw, Eigen::Vector3d::UnitZ()) *
-                           Eigen::Vector3d(frustum.T_body_camera().translation());
-    return q;
+    return line(unit(std::atan2(n.y(), n.x()), clamped));
   }
 
  private:
@@ -129,8 +136,20 @@ class ViewDirections {
     return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
             std::sin(elevation)};
   }
+  ViewLine line(const Eigen::Vector3d& d) const {
+    const double azimuth = d.head<2>().norm() > 1e-9 ? std::atan2(-d.y(), -d.x()) : 0.0;
+    ViewLine l;
+    l.direction = d;
+    l.yaw = wrap_angle(azimuth - axis_azimuth_);
+    const Eigen::AngleAxisd turn(l.yaw, Eigen::Vector3d::UnitZ());
+    l.eye_offset = turn * eye_;
+    l.depth_per_metre = -(turn * axis_).dot(d);
+    return l;
+  }
+
+  Eigen::Vector3d axis_, eye_;  // body frame
   double axis_azimuth_ = 0.0, low_ = 0.0, high_ = 0.0;
-  std::vector<Eigen::Vector3d> fan_;
+  std::vector<ViewLine> fan_;
 };
 
 /// The distances to try, the preferred one first, then outwards from it.
@@ -171,76 +190,81 @@ ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
   require(options.distance_step > 0.01 && options.angle_step > 0.01 && options.max_tries > 0,
           "viewpoint steps: expected more than 1 cm, more than 0.01 rad and at least one try");
   const ViewFrustum frustum(camera, options.T_body_camera);
-  const detail::ViewDirections directions(frustum, options);
+  const detail::ViewLines lines(frustum, options);
   const std::vector<double> distances = detail::view_distances(camera, options);
-  const double reach =
-      distances.empty() ? 0.0 : *std::max_element(distances.begin(), distances.end());
   const auto first = std::span(distances).first(std::min<std::size_t>(3, distances.size()));
   const auto rest = std::span(distances).subspan(first.size());
+  const double min_distance = std::max(options.min_distance, camera.min_range);
   const double min_cosine = std::cos(options.max_angle);
   LineOfSight sight(map, {.unknown_blocks = options.unknown_blocks});
 
   ViewpointSet result;
-  std::vector<std::pair<double, std::size_t>> order;
+  std::vector<std::pair<double, std::ptrdiff_t>> order;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const IncompleteElement& e = elements[i];
     const bool directed = !e.direction.isZero();
     int tries = 0;
     bool in_band = false, in_sight = false, free = false;
 
-    const auto attempt = [&](const Eigen::Vector3d& d,
-                             std::span<const double> lengths) -> std::optional<Configuration> {
-      if (directed && e.direction.dot(d) < min_cosine) return std::nullopt;
+    const auto attempt = [&](const detail::ViewLine& l, std::span<const double> lengths) {
+      if (directed && e.direction.dot(l.direction) < min_cosine) return false;
       in_band = true;
-      const double clear =
-          sight.free_length(e.position, d, reach) + map.voxel_size();  // `sees` has the last word
+      double clear = -1.0;  // how far one sees from the element; not known yet
       for (const double distance : lengths) {
-        if (tries >= options.max_tries) return std::nullopt;
+        if (tries >= options.max_tries) return false;
+        const double depth = distance * l.depth_per_metre;
+        if (depth < camera.min_range || depth > camera.max_range) continue;
+        const Point3 eye = e.position + distance * l.direction;
+        if (options.known_eye && sight.state(map.grid().index_of(eye)) != VoxelState::empty)
+          continue;
+        if (clear < 0.0)
+          clear = map.voxel_size() +
+                  sight.free_length(e.position, l.direction,
+                                    *std::max_element(lengths.begin(), lengths.end()));
         if (distance > clear) continue;
-        const Point3 eye = e.position + distance * d;
-        const Configuration q = directions.configuration(frustum, eye, d);
+        const Configuration q{eye - l.eye_offset, l.yaw};
         if (!frustum.contains(q, e.position) || !sight.sees(eye, e.voxel)) continue;
         in_sight = true;
         ++tries;
         if (!is_free(q)) continue;
         free = true;
-        if (is_reachable(q)) return q;
+        if (!is_reachable(q)) continue;
+        result.views.push_back({q, l.direction, {static_cast<std::int32_t>(i)}});
+        return true;
       }
-      return std::nullopt;
-    };
-    const auto accept = [&](const Configuration& q, const Eigen::Vector3d& d) {
-      result.views.push_back({q, d, {static_cast<std::int32_t>(i)}});
+      return false;
     };
 
-    const auto ideal = directed ? directions.nearest(e.direction) : std::nullopt;
-    if (ideal) {
-      if (const auto q = attempt(*ideal, first)) {
-        accept(*q, *ideal);
-        continue;
-      }
-    }
-    const auto fan = directions.fan();
+    const auto ideal = directed ? lines.nearest(e.direction) : std::nullopt;
+    if (ideal && attempt(*ideal, first)) continue;
+    const auto fan = lines.fan();
     order.clear();
     for (std::size_t k = 0; k < fan.size(); ++k) {
-      const double cosine = directed ? e.direction.dot(fan[k]) : 1.0;
-      if (cosine >= min_cosine) order.emplace_back(-cosine, k);
+      const double cosine = directed ? e.direction.dot(fan[k].direction) : 1.0;
+      if (cosine >= min_cosine) order.emplace_back(cosine, -static_cast<std::ptrdiff_t>(k));
     }
-    std::sort(order.begin(), order.end());
+    const auto line_of = [&](const auto& c) -> const detail::ViewLine& {
+      return fan[static_cast<std::size_t>(-c.second)];
+    };
+    // The nearest direction first: a heap, as the search mostly ends early; sorted if it does not.
+    std::make_heap(order.begin(), order.end());
     bool found = false;
-    for (const auto& lengths : {first, rest}) {
-      for (const auto& [negative_cosine, k] : order) {
-        if (found || tries >= options.max_tries) break;
-        const auto q = attempt(fan[k], lengths);
-        if (!q) continue;
-        accept(*q, fan[k]);
-        found = true;
-      }
+    for (auto heap_end = order.end(); heap_end != order.begin() && !found; --heap_end) {
+      std::pop_heap(order.begin(), heap_end);
+      found = attempt(line_of(*std::prev(heap_end)), first);
     }
+    for (auto it = order.rbegin(); it != order.rend() && !found && tries < options.max_tries; ++it)
+      found = attempt(line_of(*it), rest);
     if (found) continue;
+
+    const bool open =
+        in_sight || std::any_of(order.begin(), order.end(), [&](const auto& c) {
+          return sight.free_length(e.position, line_of(c).direction, min_distance) >= min_distance;
+        });
     result.unseen.push_back({static_cast<std::int32_t>(i), free       ? NoViewReason::unreachable
-                                                           : in_sight ? NoViewReason::no_free_pose
-                                                           : in_band  ? NoViewReason::occluded
-                                                                     : NoViewReason::outside_view});
+                                                           : !in_band ? NoViewReason::outside_view
+                                                           : open     ? NoViewReason::no_free_pose
+                                                                      : NoViewReason::occluded});
   }
   return result;
 }
