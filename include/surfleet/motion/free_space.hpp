@@ -52,7 +52,7 @@ class FreeSpace {
  public:
   static constexpr int kSide = VoxelStateMap::Grid::kBlockSide;
   /// Squared distance in voxels, truncated.
-  using Grid = VoxelGrid<std::uint16_t, kSide>;
+  using Grid = VoxelGrid<std::int16_t, kSide>;
   static_assert(kSide == 8, "rows of obstacle bits are bytes");
 
   /// Throws `Error` for a negative radius or margin, or a body of more than about 21 voxels.
@@ -77,7 +77,7 @@ class FreeSpace {
     reach_ = static_cast<int>(std::ceil(reach));
     halo_ = (reach_ + kSide - 1) / kSide;
     const double free_distance = (required_ + excess_) / h;
-    free_squared_ = static_cast<std::uint16_t>(std::ceil(free_distance * free_distance));
+    free_squared_ = static_cast<std::int16_t>(std::ceil(free_distance * free_distance));
     for (int i = 0; i <= reach_ * reach_; ++i) root_.push_back(h * std::sqrt(i));
     if (!options_.unknown_is_obstacle && !options_.bounds.isEmpty())
       for_each_in(Grid::block_of(grid_.index_of(options_.bounds.min())),
@@ -189,7 +189,8 @@ class FreeSpace {
         index_ = b;
         cached_ = true;
       }
-      return block_ == nullptr ? space_->default_squared() : block_->voxels[Grid::offset_of(v)];
+      return block_ == nullptr ? space_->default_squared()
+                               : static_cast<std::size_t>(block_->voxels[Grid::offset_of(v)]);
     }
 
    private:
@@ -320,7 +321,7 @@ class FreeSpace {
  private:
   static constexpr int kMaxReach = 24;           // 64-bit rows: 8 + 2 · 24 bits and more
   using RowBits = std::array<std::uint8_t, 64>;  // obstacles; row y + 8 z, bit x
-  using Rows = std::array<std::uint16_t, 512>;   // squared distance along x
+  using Rows = std::array<std::int16_t, 512>;    // squared distance along x
 
   template <typename Fn>
   static void for_each_in(const VoxelIndex& lo, const VoxelIndex& hi, Fn&& fn) {
@@ -339,10 +340,10 @@ class FreeSpace {
   std::uint32_t make(const BlockIndex& index) {
     const std::uint32_t slot = grid_.ensure_slot(index);
     if (slot < bits_.size()) return slot;
-    grid_.block(slot).voxels.fill(static_cast<std::uint16_t>(default_squared()));
+    grid_.block(slot).voxels.fill(static_cast<std::int16_t>(default_squared()));
     bits_.push_back(default_bits());
     rows_.emplace_back().fill(
-        static_cast<std::uint16_t>(options_.unknown_is_obstacle ? 0 : (reach_ + 1) * (reach_ + 1)));
+        static_cast<std::int16_t>(options_.unknown_is_obstacle ? 0 : (reach_ + 1) * (reach_ + 1)));
     stamp_.push_back(0);
     free_.push_back(free_bits_of(slot));
     return slot;
@@ -392,7 +393,7 @@ class FreeSpace {
       row_blocks[static_cast<std::size_t>(d + halo_)] = n == Grid::kNone ? nullptr : &bits_[n];
     }
     const std::uint8_t absent = options_.unknown_is_obstacle ? 0xFF : 0x00;
-    const auto cap = static_cast<std::uint16_t>((reach_ + 1) * (reach_ + 1));
+    const auto cap = static_cast<std::int16_t>((reach_ + 1) * (reach_ + 1));
     Rows& rows = rows_[slot];
     for (std::size_t r = 0; r < 64; ++r) {
       std::uint64_t bits = 0;
@@ -400,7 +401,7 @@ class FreeSpace {
         const RowBits* b = row_blocks[static_cast<std::size_t>(d)];
         bits |= static_cast<std::uint64_t>(b == nullptr ? absent : (*b)[r]) << (8 * d);
       }
-      std::uint16_t* out = rows.data() + r * 8;
+      std::int16_t* out = rows.data() + r * 8;
       if (bits == 0) {
         std::fill(out, out + 8, cap);
         continue;
@@ -409,7 +410,7 @@ class FreeSpace {
         const int at = 8 * halo_ + x;
         const int g = std::min(
             {std::countr_zero(bits >> at), std::countl_zero(bits << (63 - at)), reach_ + 1});
-        out[x] = static_cast<std::uint16_t>(g * g);
+        out[x] = static_cast<std::int16_t>(g * g);
       }
     }
   }
@@ -418,48 +419,48 @@ class FreeSpace {
   bool transform(std::uint32_t slot) {
     const BlockIndex index = grid_.block(slot).index;
     const int span = 2 * halo_ + 1;
-    std::array<const std::uint16_t*, 49> near{};  // rows of the neighbours in y, z
+    std::array<const std::int16_t*, 49> near{};  // rows of the neighbours in y, z
     bool all_far = true;
-    const std::uint16_t* absent = options_.unknown_is_obstacle ? zero_rows() : nullptr;
+    const std::int16_t* absent = options_.unknown_is_obstacle ? zero_rows() : nullptr;
     for (int z = -halo_; z <= halo_; ++z)
       for (int y = -halo_; y <= halo_; ++y) {
         const std::uint32_t n = grid_.find_slot(index + BlockIndex(0, y, z));
-        const std::uint16_t* rows = n == Grid::kNone ? absent : rows_[n].data();
+        const std::int16_t* rows = n == Grid::kNone ? absent : rows_[n].data();
         near[static_cast<std::size_t>((y + halo_) + span * (z + halo_))] = rows;
         all_far = all_far && rows == nullptr;
       }
-    std::array<std::uint16_t, 512> result;
-    const auto cap = static_cast<std::uint16_t>(reach_ * reach_);
+    std::array<std::int16_t, 512> result;
+    const auto cap = static_cast<std::int16_t>(reach_ * reach_);
     result.fill(cap);
     if (const RowBits& own = bits_[slot];
         std::all_of(own.begin(), own.end(), [](std::uint8_t b) { return b == 0xFF; })) {
       result.fill(0);
     } else if (!all_far) {
       constexpr std::size_t kMaxSpan = 8 + 2 * kMaxReach;
-      std::array<std::uint16_t, kMaxSpan * 64> columns;  // after the pass along y, a slab per z
+      std::array<std::int16_t, kMaxSpan * 64> columns;  // after the pass along y, a slab per z
       for (int z = -reach_; z < 8 + reach_; ++z) {
         const int bz = (z + 8 * halo_) / 8, iz = (z + 8 * halo_) % 8;
-        std::array<const std::uint16_t*, kMaxSpan> line{};
+        std::array<const std::int16_t*, kMaxSpan> line{};
         for (int y = -reach_; y < 8 + reach_; ++y) {
           const int by = (y + 8 * halo_) / 8, iy = (y + 8 * halo_) % 8;
-          const std::uint16_t* rows = near[static_cast<std::size_t>(by + span * bz)];
+          const std::int16_t* rows = near[static_cast<std::size_t>(by + span * bz)];
           line[static_cast<std::size_t>(y + reach_)] =
               rows == nullptr ? nullptr : rows + (iy + 8 * iz) * 8;
         }
-        std::uint16_t* out = columns.data() + static_cast<std::size_t>(z + reach_) * 64;
+        std::int16_t* out = columns.data() + static_cast<std::size_t>(z + reach_) * 64;
         for (int y = 0; y < 8; ++y, out += 8) {
           std::fill(out, out + 8, cap);
           for (int d = -reach_; d <= reach_; ++d) {
-            const std::uint16_t* in = line[static_cast<std::size_t>(y + d + reach_)];
+            const std::int16_t* in = line[static_cast<std::size_t>(y + d + reach_)];
             if (in == nullptr) continue;
-            lower(out, in, static_cast<std::uint16_t>(d * d));
+            lower(out, in, static_cast<std::int16_t>(d * d));
           }
         }
       }
       for (int z = 0; z < 8; ++z)
         for (int d = -reach_; d <= reach_; ++d) {
-          const auto add = static_cast<std::uint16_t>(d * d);
-          const std::uint16_t* in = columns.data() + static_cast<std::size_t>(z + d + reach_) * 64;
+          const auto add = static_cast<std::int16_t>(d * d);
+          const std::int16_t* in = columns.data() + static_cast<std::size_t>(z + d + reach_) * 64;
           for (int y = 0; y < 8; ++y) lower(result.data() + z * 64 + y * 8, in + y * 8, add);
         }
     }
@@ -469,13 +470,13 @@ class FreeSpace {
     grid_.mark_changed(slot);
     return true;
   }
-  static void lower(std::uint16_t* out, const std::uint16_t* in, std::uint16_t add) {
+  static void lower(std::int16_t* out, const std::int16_t* in, std::int16_t add) {
     for (int x = 0; x < 8; ++x) {
-      const auto through = static_cast<std::uint16_t>(in[x] + add);
+      const auto through = static_cast<std::int16_t>(in[x] + add);
       out[x] = through < out[x] ? through : out[x];
     }
   }
-  static const std::uint16_t* zero_rows() {
+  static const std::int16_t* zero_rows() {
     static const Rows zeros{};
     return zeros.data();
   }
@@ -498,7 +499,7 @@ class FreeSpace {
   Grid grid_;
   double margin_ = 0.0, step_ = 0.0, required_ = 0.0, excess_ = 0.0;
   int reach_ = 0, halo_ = 0;
-  std::uint16_t free_squared_ = 0;
+  std::int16_t free_squared_ = 0;
   std::vector<double> root_;   // h √i
   std::vector<RowBits> bits_;  // by slot, like the next three
   std::vector<Rows> rows_;

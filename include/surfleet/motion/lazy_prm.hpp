@@ -289,7 +289,7 @@ class LazyPrmStar {
       for (std::size_t w = 0; w < bits.size(); ++w)
         for (std::uint64_t left = bits[w]; left != 0; left &= left - 1) {
           const std::size_t o = w * 64 + static_cast<std::size_t>(std::countr_zero(left));
-          const std::size_t d = grid.block(slot).voxels[o];
+          const auto d = static_cast<std::size_t>(grid.block(slot).voxels[o]);
           if (d <= room) continue;
           const Point3 p = grid.center(Grid::index_in(grid.block(slot), o));
           if (cells_.index_of(p) != c) continue;
