@@ -34,6 +34,7 @@ class ProjectiveUpdate {
     view_.width = camera.width;
     view_.height = camera.height;
     view_.margin = 0;
+    view_.planes.clear();
     view_.fx = static_cast<float>(camera.fx);
     view_.fy = static_cast<float>(camera.fy);
     view_.cx = static_cast<float>(camera.cx);
@@ -61,11 +62,12 @@ class ProjectiveUpdate {
   template <WeightPolicy Weight>
   std::size_t operator()(const ScanObservation& o, const Weight& weight, const TsdfOptions& options,
                          TsdfMap& map) {
-    std::size_t changed = 0;
+    // A block may be seen through several faces: count it once.
+    const std::uint64_t before = map.revision();
     scan_.project(o, options);
     for (int face = 0; face < detail::ScanProjection::kFaces; ++face)
-      if (scan_.resample(face, options, view_)) changed += fold(view_, weight, options, map);
-    return changed;
+      if (scan_.resample(face, options, view_)) fold(view_, weight, options, map);
+    return map.changed_since(before).size();
   }
 
  private:

@@ -74,7 +74,8 @@ class RayTraversalUpdate {
                           const Weight& weight, const TsdfOptions& options, TsdfMap& map) {
     const double mu = options.truncation, h = map.voxel_size();
     const Point3 origin = T_world_sensor.translation();
-    std::vector<SumGrid> parts(kParts, SumGrid({.voxel_size = h}));
+    std::vector<SumGrid> parts;
+    for (std::size_t i = 0; i < kParts; ++i) parts.emplace_back(VoxelGridOptions{h});
     parallel_for(kParts, options.threads, [&](std::size_t part) {
       SumGrid& sums = parts[part];
       SumGrid::Block* block = nullptr;

@@ -73,7 +73,7 @@ class VoxelGrid {
   /// The voxel that holds `p`. Throws `Error` if it does not fit 30 bits an axis.
   VoxelIndex index_of(const Point3& p) const {
     const Eigen::Vector3d s = p * inverse_size_;
-    require(s.cwiseAbs().maxCoeff() < 1 << 30,
+    require((s.array().abs() < 1 << 30).all(),
             "point outside the grid: expected finite coordinates below 2^30 voxels");
     return {static_cast<int>(std::floor(s.x())), static_cast<int>(std::floor(s.y())),
             static_cast<int>(std::floor(s.z()))};

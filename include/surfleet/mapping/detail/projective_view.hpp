@@ -20,6 +20,11 @@ inline constexpr float kNoDepth = -1e8F;
 /// Points nearer to the camera's plane than this belong to no view [m].
 inline constexpr float kNearPlane = 1e-3F;
 
+/// The tangent plane of a pixel's surface, as `offset − n · p` for points p of the camera frame.
+struct SurfacePlane {
+  float nx = 0.0F, ny = 0.0F, nz = 0.0F, offset = 0.0F;
+};
+
 /// A pinhole image of depths along z with pixel centres at integers. Stored as inverse depths,
 /// which are affine in pixel coordinates over a plane, so interpolating them is exact on planes.
 struct ProjectiveView {
@@ -32,6 +37,7 @@ struct ProjectiveView {
                                          ///< up to which they count as one surface.
   Pose T_world_camera = Pose::Identity();
   std::vector<float> inverse_depth;  ///< Row by row, then one "no measurement".
+  std::vector<SurfacePlane> planes;  ///< One a pixel and one more, where the maker knows them.
   DepthPyramid pyramid;
 
   std::size_t pixels() const {
@@ -237,7 +243,7 @@ class BlockObserver {
     const float w = static_cast<float>(view_.width), h = static_cast<float>(view_.height);
     const float m = static_cast<float>(view_.margin);
     const auto nowhere = static_cast<std::int32_t>(view_.pixels());
-    std::array<float, kSlice> depth, u, v, inverse;
+    std::array<float, kSlice> across, down, depth, u, v, inverse;
     std::array<std::int32_t, kSlice> pixel;
     for (std::size_t i = 0; i < kSlice; ++i) {
       const auto x = static_cast<float>(static_cast<int>(i) % kSide);
@@ -253,6 +259,8 @@ class BlockObserver {
       const bool in = (pz > kNearPlane) & (su >= m) & (sv >= m) & (su < w - m) & (sv < h - m);
       const auto iu = static_cast<std::int32_t>(su), iv = static_cast<std::int32_t>(sv);
       pixel[i] = in ? iv * view_.width + iu : nowhere;
+      across[i] = px;
+      down[i] = py;
       depth[i] = pz;
       u[i] = su - 0.5F;
       v[i] = sv - 0.5F;
@@ -276,8 +284,16 @@ class BlockObserver {
       any += seen[i];
     }
     if (any == 0.0F) return false;
-    for (std::size_t i = 0; i < kSlice; ++i)
-      if ((std::abs(sdf[i]) < truncation_) & (seen[i] > 0.0F)) refine(i, u[i], v[i], depth[i]);
+    if (!view_.planes.empty()) {
+      for (std::size_t i = 0; i < kSlice; ++i) {
+        const SurfacePlane& p = view_.planes[static_cast<std::size_t>(pixel[i])];
+        const float d = p.offset - p.nx * across[i] - p.ny * down[i] - p.nz * depth[i];
+        if (std::abs(sdf[i]) < truncation_) sdf[i] = std::clamp(d, -truncation_, truncation_);
+      }
+    } else {
+      for (std::size_t i = 0; i < kSlice; ++i)
+        if ((std::abs(sdf[i]) < truncation_) & (seen[i] > 0.0F)) refine(i, u[i], v[i], depth[i]);
+    }
     return true;
   }
 

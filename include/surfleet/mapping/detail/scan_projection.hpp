@@ -19,8 +19,8 @@ namespace surfleet::detail {
 /// A pixel keeps one of its points: the one nearest to its centre, or, where they disagree by more
 /// than the slope limit, the one nearest to the sensor, so that thin things are not carved away.
 /// Resampling fits a plane (inverse depth affine in pixel coordinates) to the kept points of the
-/// 3 × 3 pixels around, which bridges the gaps between scan lines; a gap wider than two pixels
-/// stays without measurement.
+/// 3 × 3 pixels around, robustly, which bridges the gaps between scan lines; a gap wider than two
+/// pixels stays without measurement.
 class ScanProjection {
  public:
   static constexpr int kFaces = 6;
@@ -77,8 +77,18 @@ class ScanProjection {
     view.set_slope_limit(options.max_slope);
     view.T_world_camera = T_world_sensor_ * Pose(axes(face));
     const std::vector<Sample>& samples = samples_[f];
+    view.planes.resize(view.pixels() + 1);
     view.fill(options.threads, [&](int v, float* out) {
-      for (int u = 0; u < n; ++u) out[u] = 1.0F / fit(samples, u, v, view.max_step_u);
+      SurfacePlane* planes = view.planes.data() + static_cast<std::ptrdiff_t>(v) * n;
+      for (int u = 0; u < n; ++u) {
+        const InversePlane p = fit(samples, u, v, view.max_step_u);
+        out[u] = 1.0F / p.inverse;
+        const float x = p.slope_u * view.fx, y = p.slope_v * view.fy;
+        const float z = p.inverse - p.slope_u * (static_cast<float>(u) - view.cx) -
+                        p.slope_v * (static_cast<float>(v) - view.cy);
+        const float scale = 1.0F / std::sqrt(x * x + y * y + z * z);
+        planes[u] = {x * scale, y * scale, z * scale, scale};
+      }
     });
     return true;
   }
@@ -94,6 +104,11 @@ class ScanProjection {
   struct Sample {
     float du = 0.0F, dv = 0.0F;  ///< From the pixel's centre [px].
     float inverse = 0.0F;        ///< 1 / depth; 0 for none.
+  };
+
+  /// Inverse depth at a pixel's centre and its change a pixel.
+  struct InversePlane {
+    float inverse, slope_u, slope_v;
   };
 
   /// Columns: the face's x, y, z axes in the sensor frame.
@@ -159,9 +174,9 @@ class ScanProjection {
     });
   }
 
-  /// Inverse depth at the centre of pixel (u, v); 1 / `kNoDepth` where nothing is known.
-  float fit(const std::vector<Sample>& samples, int u, int v, float step) const {
-    constexpr float kNothing = 1.0F / kNoDepth;
+  /// The surface at pixel (u, v); of depth `kNoDepth` where nothing is known.
+  InversePlane fit(const std::vector<Sample>& samples, int u, int v, float step) const {
+    constexpr InversePlane kNothing{1.0F / kNoDepth, 0.0F, 0.0F};
     const int n = side_ + 2 * kMargin;
     const auto at = [&](int x, int y) -> const Sample& {
       return samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(n) +
@@ -184,32 +199,55 @@ class ScanProjection {
       }
       if (own.inverse == 0.0F) return kNothing;
     }
-    float sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sz = 0, sxz = 0, syz = 0;
-    float low = own.inverse, high = own.inverse;
+    std::array<float, 25> dx, dy, dz, weight;
+    std::size_t count = 0;
     const float limit = step * static_cast<float>(radius + 1) * own.inverse;
     for (int y = std::max(0, v - radius); y <= std::min(n - 1, v + radius); ++y)
       for (int x = std::max(0, u - radius); x <= std::min(n - 1, u + radius); ++x) {
         const Sample& s = at(x, y);
-        const float dz = s.inverse - own.inverse;
-        if (s.inverse == 0.0F || std::abs(dz) > limit) continue;
-        const float dx = static_cast<float>(x - u) + s.du, dy = static_cast<float>(y - v) + s.dv;
-        const float w = 1.0F / (0.25F + dx * dx + dy * dy);
-        sw += w, sx += w * dx, sy += w * dy, sz += w * dz;
-        sxx += w * dx * dx, sxy += w * dx * dy, syy += w * dy * dy;
-        sxz += w * dx * dz, syz += w * dy * dz;
-        low = std::min(low, s.inverse);
-        high = std::max(high, s.inverse);
+        const float rise = s.inverse - own.inverse;
+        if (s.inverse == 0.0F || std::abs(rise) > limit) continue;
+        dx[count] = static_cast<float>(x - u) + s.du - own.du;
+        dy[count] = static_cast<float>(y - v) + s.dv - own.dv;
+        dz[count] = rise;
+        weight[count] = 1.0F / (0.25F + dx[count] * dx[count] + dy[count] * dy[count]);
+        ++count;
       }
-    const float cxx = sxx - sx * sx / sw, cxy = sxy - sx * sy / sw, cyy = syy - sy * sy / sw;
-    const float cxz = sxz - sx * sz / sw, cyz = syz - sy * sz / sw;
-    const float det = cxx * cyy - cxy * cxy;
-    if (!(det > 0.05F * (cxx + cyy) * (cxx + cyy))) {
-      // All on one line or alone: too little for a plane.
-      return std::clamp(own.inverse + sz / sw, low, high);
+    InversePlane plane{own.inverse, 0.0F, 0.0F};
+    // Most points around a pixel lie on its own surface: giving less weight to those that fit badly
+    // finds it beside a crease.
+    for (int round = 0; round < 3; ++round) {
+      float sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sz = 0, sxz = 0, syz = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        const float w = weight[i], wx = w * dx[i], wy = w * dy[i];
+        sw += w, sx += wx, sy += wy, sz += w * dz[i];
+        sxx += wx * dx[i], sxy += wx * dy[i], syy += wy * dy[i];
+        sxz += wx * dz[i], syz += wy * dz[i];
+      }
+      const float cxx = sxx - sx * sx / sw, cxy = sxy - sx * sy / sw, cyy = syy - sy * sy / sw;
+      const float cxz = sxz - sx * sz / sw, cyz = syz - sy * sz / sw;
+      const float det = cxx * cyy - cxy * cxy;
+      if (!(det > 0.05F * (cxx + cyy) * (cxx + cyy))) break;  // on one line, or alone
+      plane.slope_u = (cxz * cyy - cyz * cxy) / det;
+      plane.slope_v = (cyz * cxx - cxz * cxy) / det;
+      const float rise = (sz - plane.slope_u * sx - plane.slope_v * sy) / sw;
+      plane.inverse = own.inverse + rise - plane.slope_u * own.du - plane.slope_v * own.dv;
+      float error = 0.0F;
+      for (std::size_t i = 0; i < count; ++i) {
+        const float r = dz[i] - rise - plane.slope_u * dx[i] - plane.slope_v * dy[i];
+        error = std::max(error, std::abs(r));
+      }
+      if (error < 1e-3F * own.inverse) break;
+      const float scale = 4.0F / error;
+      for (std::size_t i = 0; i < count; ++i) {
+        const float r = dz[i] - rise - plane.slope_u * dx[i] - plane.slope_v * dy[i];
+        weight[i] /= 1.0F + r * r * scale * scale;
+      }
     }
-    const float gx = (cxz * cyy - cyz * cxy) / det, gy = (cyz * cxx - cxz * cxy) / det;
-    const float value = own.inverse + (sz - gx * sx - gy * sy) / sw;
-    return std::clamp(value, low, high);
+    const float steepest = 2.0F * step * own.inverse;
+    if (!(std::abs(plane.inverse - own.inverse) < steepest) || !(plane.inverse > 0.0F))
+      return {own.inverse, 0.0F, 0.0F};
+    return plane;
   }
 
   Pose T_world_sensor_ = Pose::Identity();

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// requires: octomap
+/// @file  TSDF integration with free space in a room, beside OctoMap's ray insertion. One iteration
+///        folds ten frames into a fresh map; `ms_per_frame` is what counts, `p95_mm` the distance
+///        from the extracted mesh's vertices to the exact surface.
+#include <benchmark/benchmark.h>
+#include <octomap/octomap.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include <surfleet/mapping/mesh_extractor.hpp>
+#include <surfleet/mapping/tsdf_integrator.hpp>
+
+#include "room_scene.hpp"
+
+namespace {
+using namespace surfleet;
+
+struct Frames {
+  PinholeCamera camera;  // 640 × 480, f = 525 px, 5 m
+  std::vector<Pose> T_world_camera, T_world_lidar;
+  std::vector<DepthImage> images;
+  std::vector<std::vector<Point3>> scans;
+};
+const Frames& frames() {
+  static const Frames f = [] {
+    Frames made;
+    made.T_world_lidar = room_scene::body_poses();
+    for (const Pose& body : made.T_world_lidar) {
+      made.T_world_camera.push_back(body * forward_camera_mount());
+      made.images.push_back(room_scene::depth_image(made.camera, made.T_world_camera.back()));
+      made.scans.push_back(room_scene::lidar_scan(body));
+    }
+    return made;
+  }();
+  return f;
+}
+
+double p95_mm(const TsdfMap& map) {
+  std::vector<double> errors;
+  for (const Point3& v : extract_mesh(map).vertices) errors.push_back(room_scene::distance(v));
+  if (errors.empty()) return 0.0;
+  const auto at = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() * 95 / 100);
+  std::nth_element(errors.begin(), at, errors.end());
+  return 1e3 * *at;
+}
+
+void report(benchmark::State& state, std::size_t frame_count) {
+  state.counters["ms_per_frame"] = benchmark::Counter(
+      static_cast<double>(frame_count) * 1e-3,
+      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+/// Arguments: voxel size [cm], threads, 0 for depth images or 1 for LiDAR points.
+template <typename Update>
+void integrate(benchmark::State& state) {
+  const Frames& f = frames();
+  const double voxel = 0.01 * static_cast<double>(state.range(0));
+  TsdfIntegrator<InverseSquareWeight, Update> run{
+      {.truncation = 4.0 * voxel, .threads = static_cast<int>(state.range(1))}};
+  std::unique_ptr<TsdfMap> map;
+  for (auto _ : state) {
+    state.PauseTiming();
+    map = std::make_unique<TsdfMap>(VoxelGridOptions{voxel});
+    state.ResumeTiming();
+    for (std::size_t i = 0; i < f.images.size(); ++i) {
+      if (state.range(2) == 0)
+        run(f.images[i], f.camera, f.T_world_camera[i], *map);
+      else
+        run(std::span<const Point3>(f.scans[i]), 0.1, 8.0, f.T_world_lidar[i], *map);
+    }
+  }
+  report(state, f.images.size());
+  state.counters["p95_mm"] = p95_mm(*map);
+  state.counters["MB"] = static_cast<double>(map->memory_bytes()) * 1e-6;
+}
+
+void octomap_insert(benchmark::State& state) {
+  const Frames& f = frames();
+  const double voxel = 0.01 * static_cast<double>(state.range(0));
+  const std::size_t count = 2;  // a frame takes long enough
+  std::vector<octomap::Pointcloud> clouds(count);
+  std::vector<octomap::point3d> origins;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto add = [&](const Point3& p) {
+      clouds[i].push_back(static_cast<float>(p.x()), static_cast<float>(p.y()),
+                          static_cast<float>(p.z()));
+    };
+    const Pose& T = state.range(2) == 0 ? f.T_world_camera[i] : f.T_world_lidar[i];
+    origins.emplace_back(static_cast<float>(T.translation().x()),
+                         static_cast<float>(T.translation().y()),
+                         static_cast<float>(T.translation().z()));
+    if (state.range(2) == 0) {
+      for (int v = 0; v < f.camera.height; ++v)
+        for (int u = 0; u < f.camera.width; ++u)
+          if (f.images[i](u, v) <= 5.0F)
+            add(T * (f.camera.ray(u, v) * static_cast<double>(f.images[i](u, v))));
+    } else {
+      for (const Point3& p : f.scans[i])
+        if (p.norm() <= 8.0) add(T * p);
+    }
+  }
+  for (auto _ : state) {
+    octomap::OcTree tree(voxel);
+    for (std::size_t i = 0; i < count; ++i) tree.insertPointCloud(clouds[i], origins[i]);
+    benchmark::DoNotOptimize(tree.size());
+  }
+  report(state, count);
+}
+
+void sizes(benchmark::internal::Benchmark* b) {
+  b->ArgNames({"cm", "threads", "lidar"})->Unit(benchmark::kMillisecond)->UseRealTime();
+  for (const int lidar : {0, 1})
+    for (const int cm : {10, 5})
+      for (const int threads : {1, 2}) b->Args({cm, threads, lidar});
+}
+void rival_sizes(benchmark::internal::Benchmark* b) {
+  b->ArgNames({"cm", "threads", "lidar"})->Unit(benchmark::kMillisecond)->UseRealTime();
+  for (const int lidar : {0, 1})
+    for (const int cm : {10, 5}) b->Args({cm, 1, lidar})->Iterations(1);
+}
+
+BENCHMARK(integrate<ProjectiveUpdate>)->Name("Tsdf_Projective")->Apply(sizes);
+BENCHMARK(integrate<RayTraversalUpdate>)
+    ->Name("Tsdf_RayTraversal")
+    ->ArgNames({"cm", "threads", "lidar"})
+    ->Args({10, 1, 0})
+    ->Args({10, 1, 1})
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(octomap_insert)->Name("OctoMap_InsertPointCloud")->Apply(rival_sizes);
+}  // namespace
+
+BENCHMARK_MAIN();

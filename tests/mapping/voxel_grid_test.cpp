@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/mapping/voxel_grid.hpp>
+
+#include <limits>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include <surfleet/core/random.hpp>
+
+#include "check.hpp"
+
+using namespace surfleet;
+
+namespace {
+VoxelIndex random_index(Random& random, int reach) {
+  const auto draw = [&] {
+    return static_cast<int>(random.below(static_cast<std::uint64_t>(2 * reach))) - reach;
+  };
+  return {draw(), draw(), draw()};
+}
+
+/// The grid against a std::map, over writes at random places.
+template <int kSide>
+void grid_laws(int reach) {
+  Random random(static_cast<std::uint64_t>(kSide * 1000 + reach));
+  VoxelGrid<int, kSide> grid({.voxel_size = 0.25});
+  std::map<std::tuple<int, int, int>, int> truth;
+  std::set<std::tuple<int, int, int>> blocks;
+  for (int i = 0; i < 3000; ++i) {
+    const VoxelIndex v = random_index(random, reach);
+    grid.ensure(v) = i + 1;
+    truth[{v.x(), v.y(), v.z()}] = i + 1;
+    const BlockIndex b = grid.block_of(v);
+    for (int a = 0; a < 3; ++a) CHECK(b[a] * kSide <= v[a] && v[a] < (b[a] + 1) * kSide);
+    blocks.insert({b.x(), b.y(), b.z()});
+  }
+  CHECK(grid.block_count() == blocks.size());
+  auto accessor = grid.accessor();
+  for (const auto& [key, value] : truth) {
+    const VoxelIndex v(std::get<0>(key), std::get<1>(key), std::get<2>(key));
+    CHECK(grid.find(v) != nullptr && *grid.find(v) == value);
+    CHECK(accessor.find(v) == grid.find(v));
+  }
+  for (int i = 0; i < 1000; ++i) {
+    const VoxelIndex v = random_index(random, 2 * reach);
+    const BlockIndex b = grid.block_of(v);
+    CHECK((grid.find(v) != nullptr) == blocks.contains({b.x(), b.y(), b.z()}));
+    CHECK(accessor.find(v) == grid.find(v));
+  }
+  std::size_t filled = 0;
+  std::uint32_t slot = 0;
+  grid.for_each_block([&](const auto& block) {
+    CHECK(&block == &grid.block(slot) && grid.find_slot(block.index) == slot);
+    ++slot;
+    for (std::size_t i = 0; i < block.voxels.size(); ++i) {
+      const VoxelIndex v = grid.index_in(block, i);
+      CHECK(grid.offset_of(v) == i && grid.block_of(v) == block.index);
+      filled += block.voxels[i] != 0 ? 1U : 0U;
+    }
+  });
+  CHECK(filled == truth.size());
+  CHECK(grid.memory_bytes() >= grid.block_count() * sizeof(int) * kSide * kSide * kSide);
+  grid.clear();
+  CHECK(grid.empty() && grid.find({0, 0, 0}) == nullptr && grid.changed_since(0).empty());
+}
+}  // namespace
+
+TEST(grid_equals_a_map) {
+  grid_laws<8>(20);
+  grid_laws<8>(1 << 28);
+  grid_laws<4>(30);
+  grid_laws<1>(5);
+}
+
+TEST(points_and_voxels_agree) {
+  Random random(1);
+  const VoxelGrid<int> grid({.voxel_size = 0.3});
+  for (const double far : {1.0, 1e4, 1e8}) {
+    for (int i = 0; i < 1000; ++i) {
+      const Point3 p(random.uniform(-far, far), random.uniform(-far, far),
+                     random.uniform(-far, far));
+      const VoxelIndex v = grid.index_of(p);
+      CHECK((grid.center(v) - p).cwiseAbs().maxCoeff() <= 0.15 + far * 1e-12);
+      CHECK(grid.index_of(grid.center(v)) == v);
+    }
+  }
+  CHECK(grid.index_of({-1e-9, 0.0, 0.3 - 1e-9}) == VoxelIndex(-1, 0, 0));
+  CHECK_THROWS(Error, grid.index_of({1e12, 0, 0}));
+  CHECK_THROWS(Error, grid.index_of({0, std::numeric_limits<double>::quiet_NaN(), 0}));
+  CHECK_THROWS(Error, VoxelGrid<int>({.voxel_size = 0.0}));
+  CHECK_THROWS(Error, VoxelGrid<int>({.voxel_size = -1.0}));
+  CHECK_THROWS(Error, VoxelGrid<int>({.voxel_size = std::numeric_limits<double>::infinity()}));
+}
+
+TEST(changes_are_told_once_and_in_order) {
+  Random random(4);
+  VoxelGrid<int> grid;
+  for (int i = 0; i < 50; ++i) grid.ensure_slot({i - 25, 0, 0});
+  std::vector<std::uint64_t> last(50, 0);
+  std::vector<std::uint64_t> cursors{0};
+  std::uint64_t clock = 0;
+  std::vector<std::uint64_t> time_at_cursor{0};
+  for (int i = 0; i < 20000; ++i) {
+    const auto slot = static_cast<std::uint32_t>(random.below(50));
+    grid.mark_changed(slot);
+    last[slot] = ++clock;
+    if (random.below(1000) == 0) {
+      cursors.push_back(grid.revision());
+      time_at_cursor.push_back(clock);
+    }
+  }
+  for (std::size_t c = 0; c < cursors.size(); ++c) {
+    std::map<std::uint64_t, std::uint32_t> expected;
+    for (std::uint32_t s = 0; s < 50; ++s)
+      if (last[s] > time_at_cursor[c]) expected[last[s]] = s;
+    std::vector<std::uint32_t> order;
+    for (const auto& [time, slot] : expected) order.push_back(slot);
+    CHECK(grid.changed_since(cursors[c]) == order);
+  }
+  CHECK(grid.changed_since(grid.revision()).empty());
+}
