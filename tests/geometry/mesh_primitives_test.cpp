@@ -32,8 +32,8 @@ TEST(primitives_are_closed_and_have_their_volumes) {
   check_solid(make_cone({0, 0, 0}, {0, 0, 3}, 1.0, 1e-6, 256), kPi, kPi * (1 + std::sqrt(10.0)),
               1e-3);
   check_solid(make_sphere({5, 5, 5}, 2.0, 5), 4.0 / 3.0 * kPi * 8.0, 4.0 * kPi * 4.0, 2e-3);
-  check_solid(make_torus({0, 0, 1}, 3.0, 1.0, 200, 100), 2 * kPi * kPi * 3.0,
-              4 * kPi * kPi * 3.0, 2e-3);
+  check_solid(make_torus({0, 0, 1}, 3.0, 1.0, 200, 100), 2 * kPi * kPi * 3.0, 4 * kPi * kPi * 3.0,
+              2e-3);
   const std::array<Point2, 4> cup{Point2(2, 0), Point2(2, 3), Point2(1.5, 3), Point2(1.5, 1)};
   check_solid(make_lathe({0, 0, 0}, cup, 256), kPi * (4 * 3 - 2.25 * 2),
               kPi * (4 + 12 + (4 - 2.25) + 6 + 2.25), 1e-3);

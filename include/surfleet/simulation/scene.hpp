@@ -118,14 +118,14 @@ inline std::vector<Configuration> starting_places(const Scene& scene, int count,
 /// How a mesh becomes a scene; what is left out is found from the mesh.
 struct SceneOptions {
   std::string name = "scene";
-  std::optional<Box3> bounds;    ///< Flight space; else the mesh's box and `standoff` around it.
-  std::optional<Point3> start;   ///< Station; else a free place beside the structure.
-  std::optional<double> ground;  ///< Height of a ground plane to add; else there is none.
-  double standoff = 8.0;         ///< Room around the structure [m].
-  double ground_slab = 0.5;      ///< Height above the ground that is not to be reconstructed [m].
-  double region_margin = 0.6;    ///< Of the region around the structure [m].
-  double radius = 1.0;           ///< Of a robot's body [m].
-  double margin = 0.3;           ///< Free distance beyond it at the start [m].
+  std::optional<Box3> bounds{};    ///< Flight space; else the mesh's box and `standoff` around it.
+  std::optional<Point3> start{};   ///< Station; else a free place beside the structure.
+  std::optional<double> ground{};  ///< Height of a ground plane to add; else there is none.
+  double standoff = 8.0;           ///< Room around the structure [m].
+  double ground_slab = 0.5;        ///< Height above the ground that is not to be reconstructed [m].
+  double region_margin = 0.6;      ///< Of the region around the structure [m].
+  double radius = 1.0;             ///< Of a robot's body [m].
+  double margin = 0.3;             ///< Free distance beyond it at the start [m].
 };
 
 namespace detail {

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+/// @file  Everything of the simulation room.
+#pragma once
+
+#include <surfleet/simulation/depth_camera.hpp>
+#include <surfleet/simulation/house.hpp>
+#include <surfleet/simulation/judge.hpp>
+#include <surfleet/simulation/powerplant.hpp>
+#include <surfleet/simulation/scene.hpp>
+#include <surfleet/simulation/scenes.hpp>
+#include <surfleet/simulation/statue.hpp>
+#include <surfleet/simulation/stereo_noise.hpp>

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/simulation/judge.hpp>
+
+#include <surfleet/core/random.hpp>
+#include <surfleet/geometry/mesh_primitives.hpp>
+
+#include "check.hpp"
+
+using namespace surfleet;
+
+namespace {
+/// The bare concept: the distance to a plane z = 0.
+struct ArchetypeDistance {
+  double distance(const Point3& p) const { return std::abs(p.z()); }
+};
+static_assert(DistanceJudge<ArchetypeDistance> && !DistanceJudge<int>);
+}  // namespace
+
+TEST(judge_sees_what_happens_between_the_instants) {
+  const Bvh post(make_cylinder({0, 0, -5}, {0, 0, 5}, 0.2, 64));
+  Judge judge(post, 1.0);
+  judge.observe(std::vector<Point3>{{-10, 1.1, 0}});
+  judge.observe(std::vector<Point3>{{10, 1.1, 0}});  // hull overlaps the post by 0.1 on the way
+  CHECK(judge.report().collisions_with_scene == 1);
+  CHECK_NEAR(judge.report().min_clearance_m, -0.1, 2e-3);
+  judge.observe(std::vector<Point3>{{10, 5, 0}});
+  judge.observe(std::vector<Point3>{{-10, 5, 0}});
+  CHECK(judge.report().collisions == 1);
+  judge.observe(std::vector<Point3>{{-10, 1.15, 0}});
+  judge.observe(std::vector<Point3>{{10, 1.15, 0}});
+  CHECK(judge.report().collisions == 2);
+  CHECK_NEAR(judge.report().min_distance_m, 0.9, 2e-3);
+}
+
+TEST(judge_counts_an_overlap_once) {
+  const ArchetypeDistance ground;
+  Judge judge(ground, 0.5);
+  for (const double z : {2.0, 0.4, 0.3, 0.2, 2.0, 3.0, 0.4, 3.0})
+    judge.observe(std::vector<Point3>{{z, 0, z}});
+  CHECK(judge.report().collisions_with_scene == 2 && judge.report().collisions == 2);
+  CHECK_NEAR(judge.report().min_clearance_m, -0.3, 1e-9);
+  CHECK(judge.report().min_separation_m == JudgeReport::kNone);
+}
+
+TEST(judge_watches_robots_against_each_other) {
+  const ArchetypeDistance ground;
+  const std::vector<std::vector<Point3>> crossing{
+      {{-5, 0, 9}, {5, 0, 9}}, {{5, 1.5, 9}, {-5, 1.5, 9}}, {{0, 9, 9}, {0, 9, 9}}};
+  const JudgeReport report = judge_paths(ground, crossing, 1.0);
+  CHECK(report.collisions_of_robots == 1 && report.collisions_with_scene == 0);
+  CHECK_NEAR(report.min_separation_m, -0.5, 1e-9);
+  CHECK_NEAR(report.min_clearance_m, 8.0, 1e-9);
+  // The same lines at other times do not meet.
+  const std::vector<std::vector<Point3>> waiting{{{-5, 0, 9}, {5, 0, 9}, {5, 0, 9}},
+                                                 {{5, 9, 9}, {5, 9, 9}, {-5, 9, 9}}};
+  CHECK(judge_paths(ground, waiting, 1.0).collisions == 0);
+}
+
+TEST(judge_agrees_with_dense_sampling) {
+  const Bvh bvh(make_torus({0, 0, 0}, 3.0, 0.8));
+  Random random(11);
+  for (int i = 0; i < 60; ++i) {
+    const auto draw = [&] {
+      return Point3(random.uniform(-6, 6), random.uniform(-6, 6), random.uniform(-3, 3));
+    };
+    const Point3 a = draw(), b = draw();
+    double least = 1e9;
+    for (int k = 0; k <= 2000; ++k) least = std::min(least, bvh.distance(a + (b - a) * k / 2000.0));
+    const JudgeReport report = judge_paths(bvh, std::vector<std::vector<Point3>>{{a, b}}, 0.05);
+    CHECK_NEAR(report.min_distance_m, least, 5e-3);
+  }
+}
+
+TEST(judge_refuses_nonsense) {
+  const ArchetypeDistance ground;
+  CHECK_THROWS(Error, Judge(ground, 0.0));
+  Judge judge(ground, 1.0);
+  judge.observe(std::vector<Point3>{{0, 0, 5}});
+  CHECK_THROWS(Error, judge.observe(std::vector<Point3>{{0, 0, 5}, {9, 9, 9}}));
+  const std::vector<std::vector<Point3>> uneven{{{0, 0, 1}}, {}};
+  CHECK_THROWS(Error, judge_paths(ground, uneven, 1.0));
+  CHECK(judge_paths(ground, {}, 1.0).collisions == 0);
+}
