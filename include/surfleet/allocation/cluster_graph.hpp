@@ -124,7 +124,7 @@ class ClusterGraph {
         utilities_(std::move(utilities)),
         distance_(std::move(distance)),
         solver_(std::move(solver)) {
-    require(utilities_.size() == 1 || utilities_.size() == starts_.size(),
+    require(utilities_.size() == 1 || (utilities_.size() == starts_.size() && !utilities_.empty()),
             "cluster graph: " + std::to_string(utilities_.size()) +
                 " utilities; expected one, or one for each of the robots");
     for (std::size_t c = 0; c < clusters_.size(); ++c) {
@@ -155,20 +155,20 @@ class ClusterGraph {
 
   /// The edge from configuration `exit` (−1: the robot's start) to `cluster`.
   ClusterEdge edge(int robot, int exit, int cluster) const {
-    const Leg& l = leg(exit < 0 ? configurations() + robot : exit, cluster);
-    const Inside& in = inside(l.entry);
-    const double g = clusters_[cluster].gain;
+    const Leg& l = leg(robot, exit, cluster);
     return {exit,
             l.entry,
-            in.order.back(),
-            g,
-            l.travel,
-            in.length,
-            utilities_[utilities_.size() == 1 ? 0 : robot](g, l.travel, in.length)};
+            l.hop.state,
+            clusters_[cluster].gain,
+            l.hop.travel,
+            l.hop.inside,
+            hop(robot, exit, cluster).utility};
   }
   Hop hop(int robot, int state, int cluster) const {
-    const ClusterEdge e = edge(robot, state, cluster);
-    return {e.end, e.utility, e.travel, e.inside};
+    Hop h = leg(robot, state, cluster).hop;
+    if (utilities_.size() > 1)
+      h.utility = utilities_[robot](clusters_[cluster].gain, h.travel, h.inside);
+    return h;
   }
   /// The configurations of a cluster in the order of the path from `entry`.
   std::span<const int> inside_path(int entry) const { return inside(entry).order; }
@@ -189,24 +189,31 @@ class ClusterGraph {
  private:
   struct Leg {
     int entry = -1;
-    double travel = 0.0;
+    Hop hop;  // its utility by the first policy
   };
   struct Inside {
     std::vector<int> order;
     double length = 0.0;
   };
 
-  const Leg& leg(int from, int cluster) const {
-    auto& row = rows_[from];
+  const Leg& leg(int robot, int state, int cluster) const {
+    auto& row = rows_[state < 0 ? configurations() + robot : state];
     if (row.empty()) row.resize(clusters_.size());
     Leg& l = row[cluster];
     if (l.entry < 0) {
-      const P& p = from < configurations() ? configuration(from) : starts_[from - configurations()];
+      const P& p = state < 0 ? starts_[robot] : configuration(state);
       const auto& members = clusters_[cluster].configurations;
       for (int k = 0; k < static_cast<int>(members.size()); ++k) {
         const double d = distance_(p, members[k]);
-        if (l.entry < 0 || d < l.travel) l = {first_[cluster] + k, d};
+        if (l.entry < 0 || d < l.hop.travel) {
+          l.entry = first_[cluster] + k;
+          l.hop.travel = d;
+        }
       }
+      const Inside& in = inside(l.entry);
+      l.hop.inside = in.length;
+      l.hop.state = in.order.back();
+      l.hop.utility = utilities_.front()(clusters_[cluster].gain, l.hop.travel, l.hop.inside);
     }
     return l;
   }

@@ -65,9 +65,12 @@ struct ImproveAllocation {
       search.routes.push_back(search.plain(robot, plan.routes[robot]));
     }
     search.score = objective(search.routes);
-    for (int robot = 0; robot < graph.robots(); ++robot)
-      if (search.is_free[robot] != 0) search.arrange(robot);
-    for (int pass = 0; pass < max_passes && search.pass(); ++pass) {
+    for (int passes = 0, improved = 1; improved != 0;) {
+      while (passes < max_passes && search.pass()) ++passes;
+      improved = 0;
+      for (int robot = 0; robot < graph.robots(); ++robot)
+        if (search.is_free[robot] != 0 && search.arrange(robot)) improved = 1;
+      if (++passes > max_passes) break;
     }
     return detail::fleet_plan(std::move(search.routes), graph.clusters());
   }
@@ -122,10 +125,13 @@ struct ImproveAllocation {
       if (b >= 0) std::swap(routes[b], route_b);
       return false;
     }
-    bool accept_and_arrange(int a, Route route_a, int b, Route route_b) {
+    bool accept_and_settle(int a, Route route_a, int b, Route route_b) {
       if (!accept(a, std::move(route_a), b, std::move(route_b))) return false;
-      arrange(a);
-      arrange(b);
+      for (const int robot : {a, b}) {
+        Route other = routes[robot];
+        detail::reinsert(graph, robot, other, owner.value.measure);
+        accept(robot, std::move(other), -1, {});
+      }
       return true;
     }
     bool pass() {
@@ -141,9 +147,8 @@ struct ImproveAllocation {
       for (std::size_t k = 0; k < routes[a].order.size();) {
         const int cluster = routes[a].order[k];
         if (permits(b, cluster, routes[b]) &&
-            accept_and_arrange(a, without(a, k), b, with(b, routes[b], cluster))) {
+            accept_and_settle(a, without(a, k), b, with(b, routes[b], cluster))) {
           improved = true;
-          k = 0;
         } else {
           ++k;
         }
@@ -159,7 +164,7 @@ struct ImproveAllocation {
           if (!permits(a, from_b, rest_a)) continue;
           const Route rest_b = without(b, j);
           if (!permits(b, from_a, rest_b)) continue;
-          if (accept_and_arrange(a, with(a, rest_a, from_b), b, with(b, rest_b, from_a)))
+          if (accept_and_settle(a, with(a, rest_a, from_b), b, with(b, rest_b, from_a)))
             return true;
         }
       }
@@ -185,7 +190,7 @@ struct ImproveAllocation {
           if (!route_a) continue;
           auto route_b = joined(b, y, j, x, i);
           if (!route_b) continue;
-          if (accept_and_arrange(a, std::move(*route_a), b, std::move(*route_b))) return true;
+          if (accept_and_settle(a, std::move(*route_a), b, std::move(*route_b))) return true;
         }
       }
       return false;

@@ -23,38 +23,39 @@ namespace detail {
 /// For each node the arcs out of it that good tours are made of, cheapest first.
 class CandidateArcs {
  public:
-  CandidateArcs(const CostMatrix& costs, const Assignment& dual, int by_price, int by_cost)
-      : first_(1, 0) {
+  CandidateArcs(const CostMatrix& costs, const Assignment& dual, int by_price, int by_cost) {
     const int n = costs.size();
-    std::vector<std::vector<int>> out(n);
-    std::vector<int> others;
-    const auto take = [&](int count, auto&& key, auto&& add) {
-      count = std::min(count, static_cast<int>(others.size()));
-      const auto less = [&](int a, int b) {
-        const double x = key(a), y = key(b);
-        return x < y || (x == y && a < b);
-      };
-      std::partial_sort(others.begin(), others.begin() + count, others.end(), less);
-      for (int k = 0; k < count; ++k) add(others[k]);
+    std::vector<char> chosen(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0);
+    std::vector<std::pair<double, int>> keys;
+    const auto choose = [&](int node, int count, auto&& key, bool into) {
+      keys.clear();
+      for (int j = 0; j < n; ++j)
+        if (j != node) keys.emplace_back(key(j), j);
+      if (count < static_cast<int>(keys.size()))
+        std::nth_element(keys.begin(), keys.begin() + count, keys.end());
+      for (int k = 0; k < std::min(count, static_cast<int>(keys.size())); ++k) {
+        const int j = keys[k].second;
+        chosen[static_cast<std::size_t>(into ? j : node) * static_cast<std::size_t>(n) +
+               static_cast<std::size_t>(into ? node : j)] = 1;
+      }
     };
     for (int i = 0; i < n; ++i) {
-      others.clear();
-      for (int j = 0; j < n; ++j)
-        if (j != i) others.push_back(j);
-      take(
-          by_price, [&](int j) { return costs(i, j) - dual.column_price[j]; },
-          [&](int j) { out[i].push_back(j); });
-      take(
-          by_cost, [&](int j) { return costs(i, j); }, [&](int j) { out[i].push_back(j); });
-      take((by_price + 1) / 2, [&](int j) { return costs(j, i) - dual.row_price[j]; },
-           [&](int j) { out[j].push_back(i); });
+      choose(
+          i, by_price, [&](int j) { return costs(i, j) - dual.column_price[j]; }, false);
+      choose(
+          i, by_cost, [&](int j) { return costs(i, j); }, false);
+      choose(
+          i, (by_price + 1) / 2, [&](int j) { return costs(j, i) - dual.row_price[j]; }, true);
     }
+    first_.reserve(static_cast<std::size_t>(n) + 1);
+    first_.push_back(0);
     for (int i = 0; i < n; ++i) {
-      std::sort(out[i].begin(), out[i].end());
-      out[i].erase(std::unique(out[i].begin(), out[i].end()), out[i].end());
-      std::stable_sort(out[i].begin(), out[i].end(),
-                       [&](int a, int b) { return costs(i, a) < costs(i, b); });
-      for (const int j : out[i]) arcs_.push_back({j, costs(i, j)});
+      keys.clear();
+      const char* row = chosen.data() + static_cast<std::size_t>(i) * static_cast<std::size_t>(n);
+      for (int j = 0; j < n; ++j)
+        if (row[j] != 0) keys.emplace_back(costs(i, j), j);
+      std::sort(keys.begin(), keys.end());
+      for (const auto& [cost, j] : keys) arcs_.push_back({j, cost});
       first_.push_back(static_cast<int>(arcs_.size()));
     }
   }
@@ -495,6 +496,23 @@ inline std::vector<int> priced_neighbour_cycle(const CostMatrix& costs, const As
       reduced(i, j) = costs(i, j) - dual.row_price[i] - dual.column_price[j];
   return nearest_neighbour_cycle(reduced, first);
 }
+
+/// Feasible prices of the assignment relaxation by row and column minima: a weaker bound.
+inline Assignment reduced_prices(const CostMatrix& costs) {
+  const int n = costs.size();
+  Assignment dual;
+  dual.row_price.assign(n, std::numeric_limits<double>::infinity());
+  dual.column_price.assign(n, std::numeric_limits<double>::infinity());
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      if (i != j) dual.row_price[i] = std::min(dual.row_price[i], costs(i, j));
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      if (i != j)
+        dual.column_price[j] = std::min(dual.column_price[j], costs(i, j) - dual.row_price[i]);
+  for (int i = 0; i < n; ++i) dual.cost += dual.row_price[i] + dual.column_price[i];
+  return dual;
+}
 }  // namespace detail
 
 /// Iterated Lin–Kernighan: descend, perturb a short stretch of the tour, keep what is not worse.
@@ -504,8 +522,9 @@ inline std::vector<int> priced_neighbour_cycle(const CostMatrix& costs, const As
 /// for the candidates; an iteration costs some microseconds at a few hundred nodes.
 struct LinKernighan {
   TourSearch search{};
-  int candidates = 6;     ///< Arcs out of a node by reduced cost; some more join by cost.
-  int longest_kick = 30;  ///< Nodes in each of the segments that a perturbation exchanges.
+  int candidates = 6;        ///< Arcs out of a node by reduced cost; some more join by cost.
+  int longest_kick = 30;     ///< Nodes in each of the segments that a perturbation exchanges.
+  bool quick_bound = false;  ///< Bound and candidates from row and column minima, in O(n²).
 
   Tour operator()(const TourProblem& problem) const { return solve(problem, {}); }
   /// From `initial`, a tour of the problem, which the result is never worse than.
@@ -526,7 +545,8 @@ struct LinKernighan {
       const double length = detail::cycle_length(costs, order);
       return detail::to_tour(problem, std::move(order), length);
     }
-    const Assignment dual = detail::cycle_relaxation(costs);
+    const Assignment dual =
+        quick_bound ? detail::reduced_prices(costs) : detail::cycle_relaxation(costs);
     const detail::CandidateArcs arcs(costs, dual, candidates, (candidates + 1) / 2);
     const bool symmetric = costs.symmetric();
     detail::LinKernighanSearch tour(costs, arcs, symmetric || nearly_symmetric(costs), symmetric);
@@ -557,7 +577,8 @@ struct LinKernighan {
     const int n = costs.size();
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j)
-        if (i != j) mean += costs(i, j) / (static_cast<double>(n) * (n - 1));
+        if (i != j) mean += costs(i, j);
+    mean /= static_cast<double>(n) * (n - 1);
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < n; ++j) {
         if (i == j) continue;

@@ -102,11 +102,23 @@ Route best_insertion(const G& graph, int robot, std::span<const int> order, int 
   return route;
 }
 
-/// The same solver with few iterations, if it counts them.
+/// Takes every cluster of a route out and puts it back where it is worth most.
+template <ClusterRouting G, RouteMeasure Measure>
+void reinsert(const G& graph, int robot, Route& route, Measure measure) {
+  std::vector<int> rest;
+  for (const int cluster : std::vector<int>(route.order)) {
+    rest = route.order;
+    std::erase(rest, cluster);
+    Route other = best_insertion(graph, robot, rest, cluster, measure);
+    if (other.value > route.value) route = std::move(other);
+  }
+}
+
+/// The same solver in a hurry, if it knows how.
 template <typename Solver>
 Solver brief(Solver solver) {
-  if constexpr (requires { solver.search.max_iterations; })
-    solver.search.max_iterations = std::min<std::int64_t>(solver.search.max_iterations, 10);
+  if constexpr (requires { solver.search.max_iterations; }) solver.search.max_iterations = 0;
+  if constexpr (requires { solver.quick_bound; }) solver.quick_bound = true;
   return solver;
 }
 }  // namespace detail
@@ -134,7 +146,7 @@ struct TourValue {
     for (int round = 0; round < kRounds; ++round) {
       const double before = route.value;
       improve(graph, robot, route, solver);
-      relocate(graph, robot, route);
+      detail::reinsert(graph, robot, route, measure);
       if (route.value <= before) break;
     }
     return route;
@@ -170,16 +182,6 @@ struct TourValue {
     other.value = measure(other);
     if (other.value > route.value) route = std::move(other);
   }
-  /// Takes every cluster out and puts it back where it is worth most, exactly valued.
-  template <ClusterRouting G>
-  void relocate(const G& graph, int robot, Route& route) const {
-    for (const int cluster : std::vector<int>(route.order)) {
-      std::vector<int> rest = route.order;
-      std::erase(rest, cluster);
-      Route other = detail::best_insertion(graph, robot, rest, cluster, measure);
-      if (other.value > route.value) route = std::move(other);
-    }
-  }
   static constexpr int kRounds = 5;
 
   static Tour solve(const TourProblem& problem, const Solver& with) {
@@ -205,11 +207,15 @@ template <RouteMeasure Measure = RouteUtility>
 struct InsertionValue {
   Measure measure{};
 
+  /// The better of the order given and the one that inserting its clusters in turn builds.
   template <ClusterRouting G>
   Route arrange(const G& graph, int robot, std::vector<int> order) const {
+    Route built;
+    for (const int cluster : order)
+      built = detail::best_insertion(graph, robot, built.order, cluster, measure);
     Route route = follow(graph, robot, std::move(order));
     route.value = measure(route);
-    return route;
+    return built.value > route.value ? built : route;
   }
   template <ClusterRouting G>
   Route extend(const G& graph, int robot, const Route& route, int cluster) const {
