@@ -166,6 +166,7 @@ double bucket_width(const G& graph, std::span<const Source> sources) {
   int count = 0;
   for (const Source& s : sources) {
     for (const auto& arc : graph.arcs(s.first)) {
+      if (!(arc.length < ShortestPaths::kUnreached)) continue;  // an arc that is closed for now
       sum += arc.length;
       ++count;
     }
