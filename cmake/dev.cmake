@@ -1,12 +1,17 @@
 # What our own tests, examples and benchmarks are built with; users never see it.
 add_library(surfleet_dev INTERFACE)
 target_compile_options(surfleet_dev INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  # As with g++, whose -Wconversion leaves signs alone.
+  target_compile_options(surfleet_dev INTERFACE -Wno-sign-conversion)
+endif()
 if(SURFLEET_WERROR)
   target_compile_options(surfleet_dev INTERFACE -Werror)
 endif()
 if(SURFLEET_NATIVE)
-  # Eigen's alignment stays the one the distribution's libraries were compiled with.
-  target_compile_options(surfleet_dev INTERFACE -march=native)
+  # Eigen's alignment stays the one the distribution's libraries were compiled with. AVX-512 is left
+  # out: g++ 12 warns of its own intrinsics.
+  target_compile_options(surfleet_dev INTERFACE -march=native -mno-avx512f)
   target_compile_definitions(surfleet_dev INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
 endif()
 if(SURFLEET_SANITIZE)

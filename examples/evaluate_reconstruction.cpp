@@ -65,15 +65,6 @@ PointCloud thinned(const PointCloud& cloud, std::size_t count) {
   return filtered(cloud, [step](std::size_t i) { return i % step == 0; });
 }
 
-/// The triangles whose centroid lies in `box`.
-TriangleMesh cropped(TriangleMesh mesh, const Box3& box) {
-  std::vector<Triangle> kept;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (box.contains(mesh.centroid(t))) kept.push_back(mesh.triangles[t]);
-  mesh.triangles = std::move(kept);
-  return mesh;
-}
-
 /// `surface` from two sides, coloured by `colors` (one a point) or plain.
 void add_views(Report& report, const Surface& surface, const std::vector<Rgb>& colors,
                const std::string& caption, const std::vector<Point3>& frame, int threads) {

@@ -227,6 +227,7 @@ inline Scene open_scene(const InspectionSettings& s) {
 struct InspectionSite {
   Scene scene;
   SceneSpace space;
+  Bvh structure;  ///< Without the ground.
   EmbreeRayCaster caster;
   MeshJudge judge;
   PinholeCamera camera;
@@ -235,7 +236,7 @@ struct InspectionSite {
   double area_per_sample = 0.0;  ///< [m²]
 
   InspectionSite(Scene s, const InspectionSettings& settings)
-      : scene(std::move(s)), space(scene.mesh), caster(scene.mesh), judge(scene.mesh) {
+      : scene(std::move(s)), space(scene.mesh), structure(scene.structure()), caster(scene.mesh), judge(scene.mesh) {
     const double ratio =
         std::tan(0.5 * radians(settings.fov[1])) / std::tan(0.5 * radians(settings.fov[0]));
     const int height = std::max(12, static_cast<int>(std::lround(settings.image_width * ratio)));
@@ -274,15 +275,19 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
   o.known_weight = s.known_weight;
   o.tsdf.truncation = 3.0 * s.voxel;
   o.body_radius = s.radius;
-  // The operator knows the ground he stands on: what is free around the starts, at most 3 m.
-  o.start_clearance = 3.0;
+  // The operator knows the place he starts from: nothing of the structure is nearer than this to any
+  // start, as far as it takes until the camera's image is as high as the body.
+  const double needed = s.radius + 2.0 * s.voxel;
+  o.start_clearance = needed / std::sin(0.5 * radians(s.fov[1])) + 1.5 * s.voxel;
   for (const Configuration& q : starts)
-    o.start_clearance = std::min(o.start_clearance, site.space.clearance(q.position));
+    o.start_clearance = std::min(o.start_clearance, site.structure.distance(q.position));
   o.limits.speed = s.speed;
   o.image_period = 1.0 / s.rate;
   o.utility_share = s.utility_share;
   o.region = site.scene.region;
   o.bounds = site.scene.bounds;
+  if (site.scene.has_ground)
+    o.bounds.min().z() = std::max(o.bounds.min().z(), site.scene.ground_z + s.radius + s.voxel);
   o.max_time = s.max_time;
   o.threads = s.threads;
   o.seed = s.seed;
@@ -292,7 +297,8 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
 inline AnyPlanner planner_for(const InspectionSettings& s) {
   TourPlannerOptions tours;
   tours.distance = s.standoff;
-  tours.clusters = {.radius = s.cluster_radius, .max_radius = s.cluster_max_radius};
+  tours.clusters = {.radius = s.cluster_radius, .max_radius = s.cluster_max_radius,
+                    .max_extent = 2.0 * s.cluster_max_radius};
   tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
   return make_planner(s.planner, tours, {});
 }
@@ -300,6 +306,7 @@ inline AnyPlanner planner_for(const InspectionSettings& s) {
 /// A finished mission and what became of it.
 struct InspectionRun {
   MissionResult result;
+  TsdfMap map;
   TriangleMesh reconstruction;  ///< Cut to the region, without the ground.
   ReconstructionEvaluation evaluation;
   JudgeReport judged;
@@ -323,13 +330,15 @@ InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
   mission.on_progress = [&](const MissionProgress& p) { return progress(p, mission.map()); };
   run.result = mission.run();
   run.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-  run.reconstruction = crop(extract_mesh(mission.map(), {.min_weight = 1e-6}), site.scene.region);
+  run.map = mission.take_map();
+  const TriangleMesh surface = extract_mesh(run.map, {.min_weight = 1e-6});
+  run.reconstruction = cropped(surface, site.scene.region);
   std::vector<std::vector<Point3>> paths;
   for (const auto& trajectory : run.result.trajectories) {
     paths.emplace_back();
     for (const TimedConfiguration& t : trajectory) paths.back().push_back(t.configuration.position);
   }
-  run.judged = judge_paths(paths, site.judge, s.radius);
+  run.judged = judge_paths(site.judge, paths, s.radius);
   if (site.reference.points.empty()) site.find_reference(s, starts.front().position);
   EvaluationOptions e;
   e.e_max = half_voxel_diagonal(s.voxel);

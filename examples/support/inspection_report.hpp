@@ -141,6 +141,7 @@ inline void write_inspection(const std::filesystem::path& out, const InspectionS
   colored.colors.clear();
   for (const double e : error) colored.colors.push_back(signed_error_color(e, e_max));
   write_ply(run.reconstruction, out / "reconstruction.ply");
+  save_map(run.map, out / "map.sfm");
   write_ply(colored, out / "error.ply");
   std::vector<std::vector<Point3>> paths;
   for (std::size_t r = 0; r < run.result.trajectories.size(); ++r) {

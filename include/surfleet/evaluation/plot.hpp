@@ -62,8 +62,8 @@ struct PlotSeries {
 struct Plot {
   std::string title;
   std::string x_label, y_label;
-  std::vector<PlotSeries> series;
-  std::optional<double> y_min, y_max;  ///< By default from the data, zero included when near.
+  std::vector<PlotSeries> series{};
+  std::optional<double> y_min{}, y_max{};  ///< By default from the data, zero included when near.
   int width = 640, height = 340;       ///< [px] of the view box; the picture scales with the page.
 
   Plot& add(PlotSeries s) {

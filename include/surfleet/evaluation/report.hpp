@@ -26,7 +26,7 @@ namespace surfleet {
 struct Table {
   std::string caption;
   std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows;
+  std::vector<std::vector<std::string>> rows{};
 
   Table& add_row(std::vector<std::string> row) {
     rows.push_back(std::move(row));

@@ -141,6 +141,8 @@ class Mission {
   Mission& operator=(const Mission&) = delete;
 
   const TsdfMap& map() const { return map_; }
+  /// The map, when the mission is over; nothing else of the mission may be used after.
+  TsdfMap take_map() { return std::move(map_); }
   const MissionOptions& options() const { return options_; }
 
   /// Runs to the end. Once only.

@@ -70,7 +70,7 @@ class RatePlanner {
       std::size_t who = 0;
       for (std::size_t w = 0; w < waiting.size(); ++w) {
         const auto c =
-            best_stop(lattice, targets, done, most, request.robots[waiting[w]].configuration);
+            best_stop(request.free_space, lattice, targets, done, most, request.robots[waiting[w]].configuration);
         if (c && (!best || c->rate > best->rate)) {
           best = c;
           who = w;
@@ -82,7 +82,7 @@ class RatePlanner {
       Configuration at = best->configuration;
       route.push_back(make_stop(request, targets, *best, done));
       for (int s = 1; s < options.stops; ++s) {
-        const auto next = best_stop(lattice, targets, done, most, at);
+        const auto next = best_stop(request.free_space, lattice, targets, done, most, at);
         if (!next || next->rate < 0.5 * best->rate) break;
         at = next->configuration;
         route.push_back(make_stop(request, targets, *next, done));
@@ -124,12 +124,20 @@ class RatePlanner {
     return it->second;
   }
 
-  std::optional<Candidate> best_stop(const FlightLattice<FreeSpace>& lattice,
+  static constexpr double kEscape = 2.0;  ///< How far that may be [m].
+
+  std::optional<Candidate> best_stop(const FreeSpace& space,
+                                     const FlightLattice<FreeSpace>& lattice,
                                      const SightTargets& targets, std::span<const char> done,
                                      double most, const Configuration& from) {
     std::optional<Candidate> best;
     if (targets.size() == 0) return best;
-    lattice.search(from.position, [&](const auto& site) {
+    // A robot beside what has since turned out to be an obstacle first leaves for free space.
+    const Point3 start =
+        space.is_free(from.position)
+            ? from.position
+            : space.nearest_free(from.position, kEscape).value_or(from.position);
+    lattice.search(start, [&](const auto& site) {
       if (best && most <= best->rate * (site.distance + options.stop_cost)) return false;
       const std::size_t index = lattice.index(site.cell);
       const auto worth = worth_by_heading(targets, sightings(targets, index, site.position), done);

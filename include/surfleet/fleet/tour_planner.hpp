@@ -32,7 +32,8 @@ struct KeepAllocation {
 struct TourPlannerOptions {
   double distance = 4.7;       ///< δ_pose [m].
   MergeOptions merge;          ///< ε and "almost parallel".
-  ClusterOptions clusters;     ///< d_ν and d_ν^max.
+  /// d_ν and d_ν^max; without a bound on its extent one chain of views could go round it all.
+  ClusterOptions clusters{.max_extent = 10.0};
   ExponentialUtility utility;  ///< λ_tc and λ_ic.
   /// Whether robots that are on their way keep their route, and only those without get a new one
   /// from the work nobody has; else every call plans for all.
@@ -150,34 +151,36 @@ using MakespanPlanner = TourPlanner<
     GreedyAllocator<TourShortness<LinKernighan>, NearestFirst, PartitionMatroid, MakespanAware>,
     ImproveAllocation<Makespan, TourShortness<LinKernighan>>>;
 
-/// First one planner, then, from the moment the first one's rate falls below a share of what it was
-/// on average, another for good: fast flights while there is much to see, tours for what is left.
+/// First one planner, then another for good: fast flights while there is much to see, tours for
+/// what is left. The second takes over once the first one's rate has stayed below a share of its
+/// mean for `patience` requests a robot in a row.
 template <typename First, FleetPlanner Then>
 class RateThenTours {
  public:
   First first;
   Then then;
   double share = 0.06;  ///< Of the mean rate.
+  int patience = 3;     ///< Poor requests a robot, one after the other.
 
   explicit RateThenTours(First f = First{}, Then t = Then{})
       : first(std::move(f)), then(std::move(t)) {}
 
   PlanResult operator()(const PlanRequest& request) {
-    if (!switched_) {
-      PlanResult result = first(request);
-      const double rate = first.last_rate();
-      bool any_idle = false;
-      for (const RobotRequest& r : request.robots) any_idle |= r.idle;
-      if (!any_idle || rate > share * mean_rate()) {
-        if (rate > 0.0) {
-          sum_ += rate;
-          ++count_;
-        }
-        return result;
-      }
-      switched_ = true;
+    if (switched_) return then(request);
+    PlanResult result = first(request);
+    const double rate = first.last_rate();
+    if (rate > share * mean_rate()) {
+      sum_ += rate;
+      ++count_;
+      poor_ = 0;
+      return result;
     }
-    return then(request);
+    const bool all_idle = std::all_of(request.robots.begin(), request.robots.end(),
+                                      [](const RobotRequest& r) { return r.idle; });
+    poor_ += all_idle ? static_cast<int>(request.robots.size()) : 1;
+    if (poor_ < patience * static_cast<int>(request.robots.size()) && rate > 0.0) return result;
+    switched_ = all_idle || poor_ >= patience * static_cast<int>(request.robots.size());
+    return switched_ ? then(request) : result;
   }
   /// Whether the second planner has taken over.
   bool switched() const { return switched_; }
@@ -186,6 +189,7 @@ class RateThenTours {
   double mean_rate() const { return count_ > 0 ? sum_ / static_cast<double>(count_) : 0.0; }
   double sum_ = 0.0;
   std::size_t count_ = 0;
+  int poor_ = 0;
   bool switched_ = false;
 };
 }  // namespace surfleet

@@ -64,6 +64,30 @@ inline void append(TriangleMesh& mesh, const TriangleMesh& part) {
     mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
 }
 
+/// The triangles whose centroid lies in `box`, with the vertices they use and their attributes.
+inline TriangleMesh cropped(const TriangleMesh& mesh, const Box3& box) {
+  TriangleMesh part;
+  std::vector<std::int32_t> renamed(mesh.vertices.size(), -1);
+  const bool has_normals = mesh.normals.size() == mesh.vertices.size();
+  const bool has_colors = mesh.colors.size() == mesh.vertices.size();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!box.contains(mesh.centroid(t))) continue;
+    Triangle kept;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto v = static_cast<std::size_t>(mesh.triangles[t][k]);
+      if (renamed[v] < 0) {
+        renamed[v] = static_cast<std::int32_t>(part.vertices.size());
+        part.vertices.push_back(mesh.vertices[v]);
+        if (has_normals) part.normals.push_back(mesh.normals[v]);
+        if (has_colors) part.colors.push_back(mesh.colors[v]);
+      }
+      kept[k] = renamed[v];
+    }
+    part.triangles.push_back(kept);
+  }
+  return part;
+}
+
 /// Area-weighted vertex normals; zero at a vertex that belongs to no proper triangle.
 inline std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
   std::vector<Eigen::Vector3d> sum(mesh.vertices.size(), Eigen::Vector3d::Zero());

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// Many inspections: planners, fleet sizes and seeds; mean and spread.
+//
+//   drone_inspection_trials --scene powerplant --planners surfleet,tsga,nnb --fleets 1,3,5 --trials 10
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "support/inspection.hpp"
+#include "support/inspection_report.hpp"
+
+#include <surfleet/evaluation/statistics.hpp>
+
+namespace {
+using namespace surfleet;
+using namespace surfleet::examples;
+
+std::string spread(const std::vector<double>& values, double scale, int digits) {
+  const Moments m = moments(values);
+  return format_number(scale * m.mean(), digits) + " ± " +
+         format_number(scale * m.sample_deviation(), digits);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Runs an inspection for every planner, fleet size and seed, and prints mean and "
+               "standard deviation.\nWrites trials.json and report.html to --out."};
+  InspectionOptions options(app);
+  std::string out = "out/trials";
+  std::vector<std::string> planners{"surfleet", "tsga", "nnb"};
+  std::vector<int> fleets{1, 3, 5};
+  int trials = 3;
+  app.add_option("--out", out, "folder for the results")->capture_default_str();
+  app.add_option("--planners", planners, "comma-separated")->delimiter(',')->capture_default_str();
+  app.add_option("--fleets", fleets, "comma-separated numbers of drones")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--trials", trials, "seeds from --seed on")->capture_default_str();
+  app.set_config("--config", "", "settings from a TOML file: option names without dashes");
+  cli::parse(app, argc, argv);
+  InspectionSettings base = options.settle();
+  require(trials >= 1 && trials <= 1000, "--trials: expected 1 to 1000");
+  for (const int n : fleets) require(n >= 1 && n <= 64, "--fleets: expected numbers of 1 to 64");
+  for (const std::string& p : planners) make_planner(p, {}, {});
+  InspectionSite site(open_scene(base), base);
+  const int most = *std::max_element(fleets.begin(), fleets.end());
+  const auto starts =
+      starting_places(site.scene, site.space, most, {.radius = base.radius, .margin = base.voxel});
+  const auto folder = cli::prepare_output_folder(out);
+  cli::watch_interrupts();
+  cli::ProgressLine line;
+  site.find_reference(base, starts.front().position);
+
+  nlohmann::json all = nlohmann::json::array();
+  Table table{.caption = "Mean ± standard deviation over " + std::to_string(trials) + " seeds",
+              .columns = {"planner", "drones", "path [m]", "time [s]", "coverage [%]", "RMSE [cm]",
+                          "collisions", "least clearance [m]", "planning [s]", "machine [s]"}};
+  bool complete = true;
+  for (const std::string& planner : planners)
+    for (const int n : fleets) {
+      std::vector<double> path, time, coverage, rmse, planning, wall;
+      int collisions = 0;
+      double clearance = std::numeric_limits<double>::infinity();
+      for (int k = 0; k < trials && !cli::interrupted(); ++k) {
+        InspectionSettings s = base;
+        s.planner = planner;
+        s.robots = n;
+        s.seed = base.seed + static_cast<std::uint64_t>(k);
+        const InspectionRun one =
+            run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap&) {
+              char text[160];
+              std::snprintf(text, sizeof text, "%s, %d drones, seed %llu: %5.0f s  %7.1f m  %zu left",
+                            planner.c_str(), n, static_cast<unsigned long long>(s.seed), p.time,
+                            p.path_length, p.incomplete);
+              line(text);
+              return !cli::interrupted();
+            });
+        complete = complete && one.result.complete;
+        all.push_back(inspection_metrics(s, site, one, peak_memory()));
+        path.push_back(one.result.total_path_length());
+        time.push_back(one.result.completion_time);
+        coverage.push_back(one.evaluation.metrics.surface_coverage);
+        rmse.push_back(one.evaluation.metrics.rmse_m);
+        planning.push_back(one.result.planning_time);
+        wall.push_back(one.wall_time);
+        collisions += one.judged.collisions;
+        clearance = std::min(clearance, one.judged.min_clearance_m);
+        // Written after every trial, so that an interrupt loses nothing.
+        write_file(folder / "trials.json", all.dump(2) + "\n");
+      }
+      if (path.empty()) continue;
+      table.add_row({planner, std::to_string(n), spread(path, 1.0, 0), spread(time, 1.0, 0),
+                     spread(coverage, 100.0, 1), spread(rmse, 100.0, 2), std::to_string(collisions),
+                     format_number(clearance, 2), spread(planning, 1.0, 1), spread(wall, 1.0, 1)});
+    }
+  line.finish();
+  for (const auto& row : {table.columns}) {
+    for (const std::string& cell : row) std::printf("%-20s", cell.c_str());
+    std::printf("\n");
+  }
+  for (const auto& row : table.rows) {
+    for (const std::string& cell : row) std::printf("%-20s", cell.c_str());
+    std::printf("\n");
+  }
+  Report report("Trials on " + site.scene.name, table.caption);
+  report.add_table(table);
+  report.write(folder / "report.html");
+  return complete && !cli::interrupted() ? cli::kDone : cli::kIncomplete;
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  return surfleet::cli::run("drone_inspection_trials", [&] { return run(argc, argv); });
+}

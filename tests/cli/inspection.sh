@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# A small mission leaves everything it promises, the same on one thread and on two.
+set -eu
+bin=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+for threads in 1 2; do
+  "$bin/drone_inspection" --scene house --robots 2 --seed 3 --threads $threads --out out$threads \
+    --quiet >stdout$threads.txt
+  for file in metrics.json reconstruction.ply error.ply trajectory_1.tum trajectory_2.tum map.sfm \
+      report.html; do
+    [ -s out$threads/$file ] || { echo "out$threads/$file is missing"; exit 1; }
+  done
+done
+# What depends on the machine is taken out; all else must be equal.
+strip() { grep -vE '"(wall_time_s|planning_time_s|peak_memory_bytes)"' "$1"; }
+diff <(strip out1/metrics.json) <(strip out2/metrics.json)
+cmp out1/reconstruction.ply out2/reconstruction.ply
+cmp out1/map.sfm out2/map.sfm
+
+value() { grep "\"$1\":" out1/metrics.json | sed 's/.*: //; s/,.*//'; }
+awk -v c="$(value surface_coverage)" -v h="$(value collisions)" -v k="$(value min_clearance_m)" \
+  'BEGIN { if (c < 0.93 || h != 0 || k <= 0) { print "coverage", c, "collisions", h, "clearance", k; exit 1 } }'
+"$bin/evaluate_reconstruction" out1/reconstruction.ply out2/reconstruction.ply --emax 0.05 \
+  --out judged >judged.txt
+[ -s judged/metrics.json ]

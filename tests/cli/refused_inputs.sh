@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# Bad input gets one clear line and exit status 2, and nothing is written.
+set -u
+bin=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failed=0
+
+# refused PROGRAM ARGUMENTS...: fails unless the program refuses as it should.
+refused() {
+  local program=$1
+  shift
+  "$bin/$program" "$@" >stdout.txt 2>stderr.txt </dev/null
+  local status=$? lines
+  lines=$(wc -l <stderr.txt)
+  if [ "$status" != 2 ] || [ "$lines" != 1 ] || [ -s stdout.txt ] || [ -e out ]; then
+    echo "not refused properly: $program $*"
+    echo "  status $status, $lines lines on stderr, $(wc -c <stdout.txt) bytes on stdout"
+    head -n 3 stderr.txt
+    [ -e out ] && echo "  wrote out/" && rm -rf out
+    failed=1
+  fi
+}
+
+printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n' >truncated.ply
+printf 'OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n' >faceless.off
+printf 'v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n' >nan.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n' >range.obj
+printf 'not a mesh' >garbage.stl
+: >empty.ply
+mkdir folder.ply
+for file in missing.ply truncated.ply faceless.off nan.obj range.obj garbage.stl empty.ply folder.ply \
+    mesh.xyz; do
+  refused drone_inspection --scene "$file" --out out
+  refused evaluate_reconstruction "$file" "$file" --out out
+  refused surface_coverage --scene "$file" --out out
+done
+refused drone_inspection --scene house --start 0 0 1 --out out
+refused drone_inspection --scene house --robots 0 --out out
+refused drone_inspection --scene house --robots 500 --out out
+refused drone_inspection --scene house --voxel -0.3 --out out
+refused drone_inspection --scene house --voxel nan --out out
+refused drone_inspection --scene house --fov 200 60 --out out
+refused drone_inspection --scene house --range 8 1 --out out
+refused drone_inspection --scene house --planner magic --out out
+refused drone_inspection --scene house --preset magic --out out
+refused drone_inspection --scene house --noise maybe --out out
+refused drone_inspection --scene house --threads 0 --out out
+refused drone_inspection --scene house --max-time -1 --out out
+refused drone_inspection --scene house --bounds 1 1 1 0 0 0 --out out
+refused drone_inspection --scene house --config missing.toml --out out
+refused drone_inspection --scene house --unknown-option --out out
+refused drone_inspection --scene house --out stderr.txt
+refused drone_inspection --scene house --out /proc/out
+refused drone_inspection_trials --scene house --planners magic --out out
+refused drone_inspection_trials --scene house --trials 0 --out out
+
+printf 'NAME: x\nTYPE: TSP\nDIMENSION: 1000000000\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: FULL_MATRIX\nEDGE_WEIGHT_SECTION\n1\nEOF\n' >huge.tsp
+printf 'TYPE: TSP\nDIMENSION: 3\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 x 0\n3 0 1\nEOF\n' >letters.tsp
+for file in missing.tsp huge.tsp letters.tsp garbage.stl; do refused solve_tour "$file"; done
+
+printf '{"outer": [[0,0],[1,1],[1,0],[0,1]]}' >bow_tie.json
+printf '{"outer": [[0,0],[4,0],[4,4],[0,4]], "holes": [[[5,5],[6,5],[6,6]]]}' >hole_outside.json
+for file in missing.json bow_tie.json hole_outside.json garbage.stl; do
+  refused planar_coverage --scene "$file" --out out
+done
+refused planar_coverage --robots 0 --out out
+refused surface_coverage --robots 0 --out out
+refused surface_coverage --scene sphere --robots 100000000 --out out
+exit $failed
