@@ -9,4 +9,6 @@
 #include <surfleet/simulation/scene.hpp>
 #include <surfleet/simulation/scenes.hpp>
 #include <surfleet/simulation/statue.hpp>
+#include <surfleet/simulation/steam_chest.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
+#include <surfleet/simulation/surfaces.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/coverage/wavefront_propagation.hpp>
 
+#include <surfleet/geometry/mesh_primitives.hpp>
 #include <surfleet/simulation/surfaces.hpp>
 
 #include "check.hpp"
@@ -60,7 +61,7 @@ TEST(partition_matches_brute_force_and_each_robots_own_wave) {
   partition_is_voronoi(slope, EdgeGeodesic{}, MeshGraph{});
   partition_is_voronoi(slope, FaceGeodesic{}, MeshGraph{});
   partition_is_voronoi(slope, EdgeGeodesic{}, DualMeshGraph{});
-  partition_is_voronoi(torus_surface(1.0, 0.4, 40, 16), EdgeGeodesic{}, MeshGraph{});
+  partition_is_voronoi(make_torus(Point3::Zero(), 1.0, 0.4, 40, 16), EdgeGeodesic{}, MeshGraph{});
 }
 
 TEST(ties_go_to_the_lower_robot_and_regions_stay_whole) {
@@ -88,7 +89,7 @@ TEST(ties_go_to_the_lower_robot_and_regions_stay_whole) {
 }
 
 TEST(abort_criterion_saves_work_on_a_large_surface) {
-  const SurfaceGraph graph = MeshGraph{}(sphere_surface(1.0, 4), EdgeGeodesic{});
+  const SurfaceGraph graph = MeshGraph{}(make_sphere(Point3::Zero(), 1.0, 4), EdgeGeodesic{});
   const auto sites = random_sites(graph.size(), 40, 2);
   std::size_t aborted = 0;
   for (std::int32_t i = 0; i < 40; ++i) {
@@ -102,7 +103,7 @@ template <typename Coordinator, typename Distance>
 double deploys(const TriangleMesh& mesh, Coordinator coordinator, const Distance& distance,
                bool asynchronous) {
   const SurfaceGraph graph = MeshGraph{}(mesh, distance, MetricField{});
-  CoverageState state;
+  DeploymentState state;
   state.graph = &graph;
   state.asynchronous = asynchronous;
   state.partition.generator = random_sites(graph.size(), 8, 11);
@@ -124,11 +125,12 @@ double deploys(const TriangleMesh& mesh, Coordinator coordinator, const Distance
 
 TEST(cost_never_rises_and_comes_to_rest) {
   const TriangleMesh slope = bumpy_slope({.edge = 0.1});
-  CHECK(deploys(slope, WavefrontPropagation<>{}, EdgeGeodesic{}, false) < 0.9);
-  CHECK(deploys(slope, WavefrontPropagation<>{}, EdgeGeodesic{}, true) < 0.9);
-  CHECK(deploys(slope, WavefrontPropagation<>{}, FaceGeodesic{}, false) < 0.9);
-  CHECK(deploys(slope, WavefrontPropagation<LeastSquaresGradient>{}, EdgeGeodesic{}, false) < 0.9);
-  CHECK(deploys(slope, WavefrontPropagation<RingWeights>{}, EdgeGeodesic{}, false) < 0.95);
+  CHECK(deploys(slope, WavefrontPropagation{}, EdgeGeodesic{}, false) < 0.9);
+  CHECK(deploys(slope, WavefrontPropagation{}, EdgeGeodesic{}, true) < 0.9);
+  CHECK(deploys(slope, WavefrontPropagation{}, FaceGeodesic{}, false) < 0.9);
+  CHECK(deploys(slope, BasicWavefrontPropagation<LeastSquaresGradient>{}, EdgeGeodesic{}, false) <
+        0.9);
+  CHECK(deploys(slope, BasicWavefrontPropagation<RingWeights>{}, EdgeGeodesic{}, false) < 0.95);
 }
 
 TEST(two_robots_on_one_site_are_refused) {

@@ -10,8 +10,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <set>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -19,6 +19,7 @@
 #include <surfleet/coverage/metric_field.hpp>
 #include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
+#include <surfleet/geometry/mesh_adjacency.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
 
 namespace surfleet {
@@ -73,6 +74,33 @@ struct MeshGraph {
   }
 };
 
+/// Where the shortest line between the centroids of triangles `s` and `t`, unfolded about the edge
+/// from `a` to `b` that they share, crosses it.
+inline Point3 crossing_point(const TriangleMesh& mesh, std::size_t s, std::size_t t,
+                             const Point3& a, const Point3& b) {
+  const Eigen::Vector3d edge = b - a;
+  const double squared = edge.squaredNorm();
+  if (!(squared > 0.0)) return a;
+  const auto flat = [&](std::size_t triangle) {
+    const Eigen::Vector3d d = mesh.centroid(triangle) - a;
+    return Eigen::Vector2d(d.dot(edge) / squared, d.cross(edge).norm() / squared);
+  };
+  const Eigen::Vector2d p = flat(s), q = flat(t);
+  const double share = p.y() + q.y() > 0.0 ? p.y() / (p.y() + q.y()) : 0.5;
+  return a + std::clamp(p.x() + share * (q.x() - p.x()), 0.0, 1.0) * edge;
+}
+/// The same for two triangles that are known to share an edge.
+inline Point3 crossing_point(const TriangleMesh& mesh, std::size_t s, std::size_t t) {
+  std::array<std::int32_t, 2> common{-1, -1};
+  std::size_t found = 0;
+  for (const std::int32_t v : mesh.triangles[s])
+    for (const std::int32_t w : mesh.triangles[t])
+      if (v == w && found < 2 && (found == 0 || common[0] != v)) common[found++] = v;
+  require(found == 2, "crossing point: the triangles share no edge");
+  return crossing_point(mesh, s, t, mesh.vertices[static_cast<std::size_t>(common[0])],
+                        mesh.vertices[static_cast<std::size_t>(common[1])]);
+}
+
 /// G*_mesh: one site a triangle, neighbours over a common edge, distances from centroid to
 /// centroid straight over that edge. The distance policy is not asked.
 struct DualMeshGraph {
@@ -99,7 +127,10 @@ struct DualMeshGraph {
           for (std::int32_t h = first; h != g; h = half.around(h)) {
             const std::int32_t s = HalfEdges::triangle(h), t = HalfEdges::triangle(g);
             if (s == t) continue;
-            const Point3 x = crossing(mesh, half, h, g);
+            const Point3 x =
+                crossing_point(mesh, static_cast<std::size_t>(s), static_cast<std::size_t>(t),
+                               mesh.vertices[static_cast<std::size_t>(half.from(h))],
+                               mesh.vertices[static_cast<std::size_t>(half.to(h))]);
             links.push_back(
                 {s, t, metric(s, t, x - at(graph, s)) + metric(s, t, at(graph, t) - x)});
           }
@@ -110,23 +141,6 @@ struct DualMeshGraph {
       measure(FieldMetric(graph.tensor, field.norm));
     graph.links = detail::symmetric_graph(m, links);
     return graph;
-  }
-
-  /// Where the shortest line between the centroids of two triangles crosses their common edge.
-  static Point3 crossing(const TriangleMesh& mesh, const HalfEdges& half, std::int32_t h,
-                         std::int32_t g) {
-    const Point3& a = mesh.vertices[static_cast<std::size_t>(half.from(h))];
-    const Point3& b = mesh.vertices[static_cast<std::size_t>(half.to(h))];
-    const Eigen::Vector3d edge = b - a;
-    const double squared = edge.squaredNorm();
-    if (!(squared > 0.0)) return a;
-    const auto flat = [&](std::int32_t k) {
-      const Eigen::Vector3d d = mesh.centroid(static_cast<std::size_t>(HalfEdges::triangle(k))) - a;
-      return Eigen::Vector2d(d.dot(edge) / squared, d.cross(edge).norm() / squared);
-    };
-    const Eigen::Vector2d p = flat(h), q = flat(g);
-    const double share = p.y() + q.y() > 0.0 ? p.y() / (p.y() + q.y()) : 0.5;
-    return a + std::clamp(p.x() + share * (q.x() - p.x()), 0.0, 1.0) * edge;
   }
 
  private:
@@ -221,12 +235,10 @@ std::vector<std::int32_t> connected_components(const Graph& links, const Keep& k
   return name;
 }
 
-/// What `clean_surface` took away.
+/// What `clean_surface` met.
 struct SurfaceDefects {
-  std::size_t merged_vertices = 0;       ///< At the very place of another.
-  std::size_t degenerate_triangles = 0;  ///< With a repeated vertex or of no area.
-  std::size_t repeated_triangles = 0;    ///< On the same three vertices as another.
-  std::size_t unused_vertices = 0;
+  std::size_t removed_vertices = 0;   ///< At the very place of another, or without a triangle.
+  std::size_t removed_triangles = 0;  ///< Without an area, or on the vertices of another.
   std::size_t nonmanifold_edges = 0;  ///< Kept: edges of three or more triangles.
   std::size_t components = 0;
 };
@@ -236,82 +248,29 @@ struct SurfaceDefects {
 /// where nothing is left or the mesh is not valid. O(n log n).
 inline TriangleMesh clean_surface(const TriangleMesh& mesh, SurfaceDefects* defects = nullptr) {
   require_valid_surface(mesh);
-  SurfaceDefects found;
-  const std::size_t n = mesh.vertices.size();
-  std::vector<std::int32_t> order(n), same(n);
-  for (std::size_t v = 0; v < n; ++v) order[v] = static_cast<std::int32_t>(v);
-  const auto place = [&](std::int32_t v) {
-    const Point3& p = mesh.vertices[static_cast<std::size_t>(v)];
-    return std::array<double, 3>{p.x(), p.y(), p.z()};
-  };
-  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-    const auto pa = place(a), pb = place(b);
-    return pa != pb ? pa < pb : a < b;
-  });
-  for (std::size_t i = 0; i < n; ++i) {
-    const bool repeat = i > 0 && place(order[i]) == place(order[i - 1]);
-    same[static_cast<std::size_t>(order[i])] =
-        repeat ? same[static_cast<std::size_t>(order[i - 1])] : order[i];
-    found.merged_vertices += repeat ? 1 : 0;
-  }
+  TriangleMesh clean = weld_vertices(mesh);
+  std::set<Triangle> met;
   std::vector<Triangle> kept;
-  for (Triangle t : mesh.triangles) {
-    for (std::int32_t& v : t) v = same[static_cast<std::size_t>(v)];
-    const Point3 a = mesh.vertices[static_cast<std::size_t>(t[0])];
-    const Eigen::Vector3d u = mesh.vertices[static_cast<std::size_t>(t[1])] - a;
-    const Eigen::Vector3d w = mesh.vertices[static_cast<std::size_t>(t[2])] - a;
-    const double scale = std::max({u.squaredNorm(), w.squaredNorm(), (u - w).squaredNorm()});
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || !(u.cross(w).norm() > 1e-12 * scale))
-      ++found.degenerate_triangles;
-    else
-      kept.push_back(t);
-  }
-  {
-    std::vector<std::pair<Triangle, std::size_t>> keys;
-    for (std::size_t t = 0; t < kept.size(); ++t) {
-      Triangle key = kept[t];
-      std::sort(key.begin(), key.end());
-      keys.push_back({key, t});
-    }
-    std::sort(keys.begin(), keys.end());
-    std::vector<bool> drop(kept.size(), false);
-    for (std::size_t i = 1; i < keys.size(); ++i)
-      if (keys[i].first == keys[i - 1].first) {
-        drop[keys[i].second] = true;
-        ++found.repeated_triangles;
-      }
-    std::size_t to = 0;
-    for (std::size_t t = 0; t < kept.size(); ++t)
-      if (!drop[t]) kept[to++] = kept[t];
-    kept.resize(to);
+  for (std::size_t t = 0; t < clean.triangles.size(); ++t) {
+    Triangle key = clean.triangles[t];
+    std::sort(key.begin(), key.end());
+    double scale = 0.0;
+    for (std::size_t k = 0; k < 3; ++k)
+      scale = std::max(scale, (clean.corner(t, k) - clean.corner(t, (k + 1) % 3)).squaredNorm());
+    if (clean.area_vector(t).norm() > 1e-12 * scale && met.insert(key).second)
+      kept.push_back(clean.triangles[t]);
   }
   require(!kept.empty(), "mesh: no triangle with an area; expected a surface");
-  TriangleMesh clean;
-  std::vector<std::int32_t> renamed(n, -1);
-  for (Triangle& t : kept)
-    for (std::int32_t& v : t) {
-      std::int32_t& name = renamed[static_cast<std::size_t>(v)];
-      if (name < 0) name = 0;
-    }
-  for (std::size_t v = 0; v < n; ++v)
-    if (renamed[v] == 0) {
-      renamed[v] = static_cast<std::int32_t>(clean.vertices.size());
-      clean.vertices.push_back(mesh.vertices[v]);
-    }
-  for (Triangle& t : kept)
-    for (std::int32_t& v : t) v = renamed[static_cast<std::size_t>(v)];
+  const bool dropped = kept.size() != clean.triangles.size();
   clean.triangles = std::move(kept);
+  if (dropped) clean = weld_vertices(clean);  // drops the vertices that are now without triangle
   if (defects != nullptr) {
-    found.unused_vertices = n - found.merged_vertices - clean.vertices.size();
-    const HalfEdges half(clean);
-    for (const std::int32_t h : half.edges()) {
-      const std::int32_t second = half.around(h);
-      found.nonmanifold_edges += half.around(second) != h && second != h ? 1 : 0;
-    }
-    const auto name = connected_components(EdgeGeodesic{}(clean, EuclideanMetric{}));
-    for (const std::int32_t c : name)
-      found.components = std::max(found.components, static_cast<std::size_t>(c) + 1);
-    *defects = found;
+    const MeshAdjacency adjacency(clean);
+    *defects = {mesh.vertices.size() - clean.vertices.size(),
+                mesh.triangles.size() - clean.triangles.size(),
+                adjacency.non_manifold_edges().size(), 0};
+    for (const std::int32_t c : connected_components(EdgeGeodesic{}(clean, EuclideanMetric{})))
+      defects->components = std::max(defects->components, static_cast<std::size_t>(c) + 1);
   }
   return clean;
 }

@@ -3,7 +3,7 @@
 ///        metric tensor at every vertex [004 §6.3.1, §6.4.1].
 #pragma once
 
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -90,8 +90,16 @@ class FieldMetric {
       : tensor_(&tensor), norm_(norm) {
     require(norm >= 1.0, "metric field: the norm's p must be at least 1");
     if (norm == 2.0) return;
-    for (const Eigen::Matrix3d& k : tensor)
-      root_.push_back(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(k).operatorSqrt());
+    for (const Eigen::Matrix3d& k : tensor) {
+      // Denman and Beavers: y to the square root of k, z to its inverse.
+      Eigen::Matrix3d y = k, z = Eigen::Matrix3d::Identity();
+      for (int iteration = 0; iteration < 20; ++iteration) {
+        const Eigen::Matrix3d next = 0.5 * (y + z.inverse());
+        z = 0.5 * (z + y.inverse()).eval();
+        y = next;
+      }
+      root_.push_back(y);
+    }
   }
   double operator()(std::int32_t a, std::int32_t b, const Eigen::Vector3d& delta) const {
     return 0.5 * (at(a, delta) + at(b, delta));
@@ -122,7 +130,8 @@ inline void require_valid_field(const MetricField& field, const TriangleMesh& me
     require(rho >= 0.0 && rho < ShortestPaths::kUnreached,
             "metric field: a density is negative or not finite");
   for (const Eigen::Matrix3d& k : field.tensor)
-    require(k.allFinite() && k.isApprox(k.transpose(), 1e-9) && k.llt().info() == Eigen::Success,
+    require(k.allFinite() && (k - k.transpose()).norm() <= 1e-9 * k.norm() && k(0, 0) > 0.0 &&
+                k(0, 0) * k(1, 1) > k(0, 1) * k(1, 0) && k.determinant() > 0.0,
             "metric field: a tensor is not symmetric positive definite");
 }
 }  // namespace surfleet

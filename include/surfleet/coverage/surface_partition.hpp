@@ -84,6 +84,46 @@ inline std::vector<std::pair<std::int32_t, std::int32_t>> dual_delaunay(
   return {pairs.begin(), pairs.end()};
 }
 
+/// Asks whether a region stays in one piece without one of its sites.
+class RemovalTest {
+ public:
+  /// True if the region of `site` without it is not empty and a way around it was found within
+  /// `reach` sites. O(reach) at worst, a handful of sites as a rule.
+  bool operator()(const Graph& links, const std::vector<std::int32_t>& region, std::int32_t site,
+                  std::size_t reach) {
+    const std::int32_t robot = region[static_cast<std::size_t>(site)];
+    around_.clear();
+    for (const Arc& arc : links.arcs(site))
+      if (arc.to != site && region[static_cast<std::size_t>(arc.to)] == robot)
+        around_.push_back(arc.to);
+    if (around_.size() < 2) return around_.size() == 1;
+    if (stamp_.size() != region.size() || ++epoch_ == 0) {
+      stamp_.assign(region.size(), 0);
+      epoch_ = 1;
+    }
+    queue_.assign(1, around_[0]);
+    stamp_[static_cast<std::size_t>(site)] = stamp_[static_cast<std::size_t>(around_[0])] = epoch_;
+    for (std::size_t k = 0; k < queue_.size() && k < reach; ++k) {
+      for (const Arc& arc : links.arcs(queue_[k])) {
+        const auto j = static_cast<std::size_t>(arc.to);
+        if (region[j] != robot || stamp_[j] == epoch_) continue;
+        stamp_[j] = epoch_;
+        queue_.push_back(arc.to);
+      }
+      if (std::all_of(around_.begin(), around_.end(), [&](std::int32_t u) {
+            return stamp_[static_cast<std::size_t>(u)] == epoch_;
+          }))
+        return true;
+    }
+    return false;
+  }
+
+ private:
+  std::vector<std::uint32_t> stamp_;
+  std::vector<std::int32_t> queue_, around_;
+  std::uint32_t epoch_ = 0;
+};
+
 namespace detail {
 /// Gives sites that hang on their region only by an arc across faces to a region they touch, at
 /// the length of a path along links from that region's generator.

@@ -21,7 +21,7 @@
 
 namespace surfleet {
 /// Where a deployment stands: what a coordinator reads and changes.
-struct CoverageState {
+struct DeploymentState {
   const SurfaceGraph* graph = nullptr;
   std::vector<std::uint8_t> known;  ///< Sites that take part; empty: all.
   SurfacePartition partition;
@@ -55,7 +55,7 @@ struct CoverageState {
 /// What deploys the robots: `start(state)` once, then `step(state)` until it returns false for
 /// every robot in turn; `cost(state)` is what it brings down.
 template <typename C>
-concept SurfaceCoordinator = requires(C c, CoverageState& state) {
+concept SurfaceCoordinator = requires(C c, DeploymentState& state) {
   c.start(state);
   { c.step(state) } -> std::convertible_to<bool>;
   { c.cost(state) } -> std::convertible_to<double>;
@@ -143,13 +143,13 @@ WavefrontRegion propagate_wavefront(const SurfaceGraph& graph,
 
 /// Which way a robot should step: one value per site of its one ring, the best first.
 template <typename G>
-concept GoalDirection = requires(const G& rule, const CoverageState& state, std::int32_t robot) {
+concept GoalDirection = requires(const G& rule, const DeploymentState& state, std::int32_t robot) {
   { rule(state, robot) } -> std::convertible_to<std::vector<std::int32_t>>;
 };
 
 namespace detail {
 /// The ring sites of the robot's own region, by falling cosine to `direction`.
-inline std::vector<std::int32_t> ring_along(const CoverageState& state, std::int32_t robot,
+inline std::vector<std::int32_t> ring_along(const DeploymentState& state, std::int32_t robot,
                                             const Eigen::Vector3d& direction) {
   const SurfacePartition& p = state.partition;
   const std::int32_t at = p.generator[static_cast<std::size_t>(robot)];
@@ -171,7 +171,7 @@ inline std::vector<std::int32_t> ring_along(const CoverageState& state, std::int
 
 /// Eq. 6.16: z = Σ p d^(p−1) ŵ M over the region, ŵ the first piece of the path to each site.
 struct GeodesicGradient {
-  std::vector<std::int32_t> operator()(const CoverageState& state, std::int32_t robot) const {
+  std::vector<std::int32_t> operator()(const DeploymentState& state, std::int32_t robot) const {
     const SurfacePartition& p = state.partition;
     const std::int32_t at = p.generator[static_cast<std::size_t>(robot)];
     const Point3& here = state.graph->position[static_cast<std::size_t>(at)];
@@ -189,7 +189,7 @@ struct GeodesicGradient {
 
 /// Eq. 6.8: a least-squares gradient of the region's cost over the one ring.
 struct LeastSquaresGradient {
-  std::vector<std::int32_t> operator()(const CoverageState& state, std::int32_t robot) const {
+  std::vector<std::int32_t> operator()(const DeploymentState& state, std::int32_t robot) const {
     const SurfacePartition& p = state.partition;
     const std::int32_t at = p.generator[static_cast<std::size_t>(robot)];
     const Point3& here = state.graph->position[static_cast<std::size_t>(at)];
@@ -207,14 +207,16 @@ struct LeastSquaresGradient {
       normal += unit * unit.transpose();
       right += unit * ((there - now) / length);
     }
-    return detail::ring_along(state, robot, -normal.completeOrthogonalDecomposition().solve(right));
+    // A little of the identity stands for the pseudo-inverse: the ring is nearly flat.
+    normal.diagonal().array() += 1e-9 * normal.trace() + 1e-300;
+    return detail::ring_along(state, robot, -(normal.inverse() * right));
   }
 };
 
 /// The ring site that most path length leads over, the text's substitute for eq. 6.16 on regular
 /// meshes: it needs no positions.
 struct RingWeights {
-  std::vector<std::int32_t> operator()(const CoverageState& state, std::int32_t robot) const {
+  std::vector<std::int32_t> operator()(const DeploymentState& state, std::int32_t robot) const {
     const SurfacePartition& p = state.partition;
     const std::int32_t at = p.generator[static_cast<std::size_t>(robot)];
     std::vector<std::pair<double, std::int32_t>> weight;
@@ -236,21 +238,21 @@ static_assert(GoalDirection<GeodesicGradient> && GoalDirection<LeastSquaresGradi
 
 /// Alg. 7 as a coordinator. A robot moves only where that lowers the cost of its own region, so
 /// the total cost never rises. O(n log n) a synchronous step.
-template <GoalDirection Direction = GeodesicGradient>
-struct WavefrontPropagation {
+template <GoalDirection Direction>
+struct BasicWavefrontPropagation {
   Direction direction{};
   int tries = 3;  ///< Ring sites tried, best direction first, before a robot stays.
 
-  void start(CoverageState& state) {
+  void start(DeploymentState& state) {
     state.partition = state.partition_for(state.partition.generator);
   }
 
-  double cost(const CoverageState& state) const {
+  double cost(const DeploymentState& state) const {
     return partition_cost(*state.graph, state.partition, state.exponent);
   }
 
   /// The ring site to which `robot` should go, if there is a better one than where it is.
-  std::optional<std::int32_t> goal(const CoverageState& state, std::int32_t robot) const {
+  std::optional<std::int32_t> goal(const DeploymentState& state, std::int32_t robot) const {
     const SurfacePartition& p = state.partition;
     double now = 0.0;
     for (std::size_t v = 0; v < p.region.size(); ++v)
@@ -267,7 +269,7 @@ struct WavefrontPropagation {
     return std::nullopt;
   }
 
-  bool step(CoverageState& state) {
+  bool step(DeploymentState& state) {
     std::vector<std::pair<std::size_t, std::int32_t>> moves;
     for (const std::int32_t robot : state.actors())
       if (const auto site = goal(state, robot))
@@ -289,5 +291,6 @@ struct WavefrontPropagation {
     return false;
   }
 };
-static_assert(SurfaceCoordinator<WavefrontPropagation<>>);
+using WavefrontPropagation = BasicWavefrontPropagation<GeodesicGradient>;
+static_assert(SurfaceCoordinator<WavefrontPropagation>);
 }  // namespace surfleet

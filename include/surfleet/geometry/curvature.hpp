@@ -3,7 +3,6 @@
 ///        Schröder and Barr (2003), "Discrete differential-geometry operators".
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -137,11 +136,11 @@ inline std::vector<Curvature> principal_curvatures(const TriangleMesh& mesh) {
   for (std::size_t i = 0; i < n; ++i) {
     Curvature& c = result[i];
     if (c.k1 == 0.0 && c.k2 == 0.0) continue;
-    const Eigen::Vector3d form = system[i].completeOrthogonalDecomposition().solve(right[i]);
-    Eigen::Matrix2d b;
-    b << form[0], form[1], form[1], form[2];
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(b);
-    const Eigen::Vector2d greater = solver.eigenvectors().col(1);
+    // A little of the identity keeps a vertex with edges in two directions only solvable.
+    system[i].diagonal().array() += 1e-12 * system[i].trace();
+    const Eigen::Vector3d form = system[i].inverse() * right[i];
+    const double turned = 0.5 * std::atan2(2.0 * form[1], form[0] - form[2]);
+    const Eigen::Vector2d greater(std::cos(turned), std::sin(turned));
     c.direction1 = greater.x() * axis1[i] + greater.y() * axis2[i];
     c.direction2 = c.normal.cross(c.direction1);
   }

@@ -61,7 +61,8 @@ inline void require_valid_surface(const TriangleMesh& mesh) {
       throw Error("mesh: vertex " + std::to_string(v) + " is not finite");
 }
 
-/// The half-edges of a mesh, linked around each undirected edge.
+/// The half-edges of a mesh, linked around each undirected edge: what walking from face to face
+/// asks for, and no more (`MeshAdjacency` answers the rest).
 ///
 /// Half-edge 3t + k runs from corner k to corner k + 1 of triangle t. O(n + m).
 class HalfEdges {
@@ -275,4 +276,8 @@ struct FaceGeodesic {
     }
   };
 };
+static_assert(GeodesicPolicy<FaceGeodesic>);
+
+/// The distance on a surface that serves unless speed comes before exactness.
+using GeodesicDistance = FaceGeodesic;
 }  // namespace surfleet

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// @file  Bundled curved surfaces: the bumpy slope of [004 §2.1.2], a sphere and a torus.
+/// @file  The bundled bumpy slope of [004 §2.1.2]. Spheres and tori are in
+///        geometry/mesh_primitives.hpp.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <map>
-#include <utility>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
@@ -81,69 +80,5 @@ inline TriangleMesh bumpy_slope(const BumpySlopeOptions& options = {}) {
     cut.triangles.push_back(triangle);
   }
   return cut;
-}
-
-/// A sphere by `subdivisions` splits of an icosahedron: 10 · 4ⁿ + 2 vertices.
-inline TriangleMesh sphere_surface(double radius = 1.0, int subdivisions = 4) {
-  require(radius > 0.0 && subdivisions >= 0 && subdivisions <= 8,
-          "sphere: radius must be positive and subdivisions 0 to 8");
-  const double g = (1.0 + std::sqrt(5.0)) / 2.0;
-  TriangleMesh mesh;
-  mesh.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
-                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
-  mesh.triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
-                    {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                    {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
-                    {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
-  for (int level = 0; level < subdivisions; ++level) {
-    std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middle;
-    const auto split = [&](std::int32_t a, std::int32_t b) {
-      const auto [at, fresh] =
-          middle.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(mesh.vertices.size()));
-      if (fresh)
-        mesh.vertices.push_back((mesh.vertices[static_cast<std::size_t>(a)] +
-                                 mesh.vertices[static_cast<std::size_t>(b)]) /
-                                2.0);
-      return at->second;
-    };
-    std::vector<Triangle> finer;
-    for (const auto& [a, b, c] : mesh.triangles) {
-      const std::int32_t ab = split(a, b), bc = split(b, c), ca = split(c, a);
-      finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
-    }
-    mesh.triangles = std::move(finer);
-  }
-  for (Point3& v : mesh.vertices) v = radius * v.normalized();
-  return mesh;
-}
-
-/// A torus about the z axis.
-inline TriangleMesh torus_surface(double major = 1.0, double minor = 0.4, int around = 96,
-                                  int across = 40) {
-  require(minor > 0.0 && major > minor && around >= 3 && across >= 3,
-          "torus: major must exceed minor, minor 0, and both counts be at least 3");
-  TriangleMesh mesh;
-  for (int i = 0; i < around; ++i) {
-    for (int j = 0; j < across; ++j) {
-      const double u = 2.0 * kPi * i / around, v = 2.0 * kPi * (j + 0.5 * (i % 2)) / across;
-      const double r = major + minor * std::cos(v);
-      mesh.vertices.push_back({r * std::cos(u), r * std::sin(u), minor * std::sin(v)});
-    }
-  }
-  const auto id = [&](int i, int j) { return (i % around) * across + (j + across) % across; };
-  for (int i = 0; i < around; ++i) {
-    for (int j = 0; j < across; ++j) {
-      // Odd rings are shifted by half a step against even ones.
-      const bool shift = i % 2 == 1 && (i + 1 < around || around % 2 == 0);
-      if (shift) {
-        mesh.triangles.push_back({id(i, j), id(i + 1, j), id(i + 1, j + 1)});
-        mesh.triangles.push_back({id(i, j), id(i + 1, j + 1), id(i, j + 1)});
-      } else {
-        mesh.triangles.push_back({id(i, j), id(i + 1, j), id(i, j + 1)});
-        mesh.triangles.push_back({id(i, j + 1), id(i + 1, j), id(i + 1, j + 1)});
-      }
-    }
-  }
-  return mesh;
 }
 }  // namespace surfleet
