@@ -140,7 +140,7 @@ TEST(projective_update_equals_brute_force_over_every_voxel) {
   // Random blobs of depth, invalid pixels and far readings, against one voxel at a time.
   Random random(5);
   PinholeCamera camera = PinholeCamera::from_fov(radians(70), radians(50), 64, 48, 0.3, 3.0);
-  for (int round = 0; round < 6; ++round) {
+  for (int round = 0; round < 3; ++round) {
     DepthImage image(camera.width, camera.height);
     for (int v = 0; v < camera.height; ++v)
       for (int u = 0; u < camera.width; ++u) {
@@ -159,17 +159,17 @@ TEST(projective_update_equals_brute_force_over_every_voxel) {
     TsdfIntegrator<ConstantWeight> integrate{{.truncation = mu}};
     integrate(image, camera, T, map);
     const VoxelIndex c = map.index_of(T.translation());
-    std::size_t compared = 0;
-    for (int z = -40; z <= 40; ++z)
-      for (int y = -40; y <= 40; ++y)
-        for (int x = -40; x <= 40; ++x) {
+    std::size_t compared = 0, wrong = 0;
+    for (int z = -33; z <= 33; ++z)
+      for (int y = -33; y <= 33; ++y)
+        for (int x = -33; x <= 33; ++x) {
           const VoxelIndex index = c + VoxelIndex(x, y, z);
           const TsdfVoxel* voxel = map.find(index);
           const bool written = voxel != nullptr && voxel->weight > 0.0F;
           const Point3 p = T.inverse(Eigen::Isometry) * map.center(index);
           const auto px = camera.project(p);
           if (!px || p.z() < 2e-3) {
-            CHECK(!written || p.z() > -1e-3);
+            wrong += written && p.z() < -1e-3 ? 1U : 0U;
             continue;
           }
           // Leave out what rounding decides: pixel borders and the ends of the band.
@@ -187,16 +187,16 @@ TEST(projective_update_equals_brute_force_over_every_voxel) {
           const bool expected =
               valid && (depth <= camera.max_range ? sdf > -mu && (sdf < mu || p.z() <= 3.0)
                                                   : sdf > 0 && p.z() <= camera.max_range);
-          CHECK(written == expected);
+          wrong += written != expected ? 1U : 0U;
           if (!written || !expected) continue;
           ++compared;
-          if (sdf >= mu)
-            CHECK(voxel->distance == static_cast<float>(mu));
-          else  // nearer than along the ray, by the surface's slant, and on the same side
-            CHECK(std::abs(voxel->distance) <= std::abs(sdf) + 0.02 &&
-                  (voxel->distance > 0) == (sdf > 0));
+          // Nearer than along the ray, by the surface's slant, and on the same side.
+          const bool right = sdf >= mu ? voxel->distance == static_cast<float>(mu)
+                                       : std::abs(voxel->distance) <= std::abs(sdf) + 0.02 &&
+                                             (voxel->distance > 0) == (sdf > 0);
+          wrong += right ? 0U : 1U;
         }
-    CHECK(compared > 1000);
+    CHECK(compared > 1000 && wrong == 0);
   }
 }
 

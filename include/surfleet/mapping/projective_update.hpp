@@ -53,7 +53,7 @@ class ProjectiveUpdate {
         const bool measured =
             (d > 0.0F) & (d >= nearest) & (d <= std::numeric_limits<float>::max());
         const float near_enough = std::min(d, kFarthest);
-        out[u] = measured & (near_enough <= farthest) ? near_enough : detail::kNoDepth;
+        out[u] = (measured & (near_enough <= farthest)) ? near_enough : detail::kNoDepth;
       }
     });
     return fold(view_, weight, options, map);

@@ -23,7 +23,7 @@ class DepthPyramid {
   void resize(int width, int height) {
     tiles_x_ = (width + kTile - 1) / kTile;
     tiles_y_ = (height + kTile - 1) / kTile;
-    levels_ = std::bit_width(static_cast<unsigned>(std::min(tiles_x_, tiles_y_)));
+    levels_ = bits(std::min(tiles_x_, tiles_y_));
     const std::size_t n = tiles() * static_cast<std::size_t>(levels_);
     min_.resize(n);
     max_.resize(n);
@@ -71,7 +71,7 @@ class DepthPyramid {
   /// Smallest and largest depth over pixels [u0, u1] × [v0, v1], which lie in the image.
   std::pair<float, float> extremes(int u0, int v0, int u1, int v1) const {
     const int a0 = u0 / kTile, a1 = u1 / kTile, b0 = v0 / kTile, b1 = v1 / kTile;
-    const int k = std::bit_width(static_cast<unsigned>(std::min(a1 - a0, b1 - b0) + 1)) - 1;
+    const int k = bits(std::min(a1 - a0, b1 - b0) + 1) - 1;
     const int side = 1 << k;
     const float* low = min_.data() + tiles() * static_cast<std::size_t>(k);
     const float* high = max_.data() + tiles() * static_cast<std::size_t>(k);
@@ -89,6 +89,7 @@ class DepthPyramid {
   }
 
  private:
+  static int bits(int n) { return static_cast<int>(std::bit_width(static_cast<unsigned>(n))); }
   static std::size_t row(int y, int width) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
   }

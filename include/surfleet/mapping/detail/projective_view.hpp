@@ -280,7 +280,7 @@ class BlockObserver {
       const bool front = in_range & (d > 0.0F) & (d < carve_from);
       const bool band = measured & (std::abs(d) < truncation_);
       sdf[i] = std::min(d, truncation_);
-      seen[i] = front | band ? 1.0F : 0.0F;
+      seen[i] = (front | band) ? 1.0F : 0.0F;
       any += seen[i];
     }
     if (any == 0.0F) return false;
@@ -292,7 +292,7 @@ class BlockObserver {
       }
     } else {
       for (std::size_t i = 0; i < kSlice; ++i)
-        if ((std::abs(sdf[i]) < truncation_) & (seen[i] > 0.0F)) refine(i, u[i], v[i], depth[i]);
+        if (std::abs(sdf[i]) < truncation_ && seen[i] > 0.0F) refine(i, u[i], v[i], depth[i]);
     }
     return true;
   }
@@ -347,8 +347,8 @@ class BlockObserver {
       const float far = at[side * n * stride], near = at[side * half * stride];
       const float rise = (far - center) / static_cast<float>(n);
       const float start = (near - center) / static_cast<float>(half);
-      if (!((far > 0.0F) & (near > 0.0F) & (std::abs(rise) <= max_step * center) &
-            (std::abs(start) <= max_step * center)))
+      if (far <= 0.0F || near <= 0.0F || std::abs(rise) > max_step * center ||
+          std::abs(start) > max_step * center)
         continue;
       const float bend = std::abs(rise - start) / (max_step * center) + 1e-3F;
       const float weight = 1.0F / (bend * bend);
