@@ -13,6 +13,13 @@
 #include <surfleet/geometry/pinhole_camera.hpp>
 #include <surfleet/geometry/ply.hpp>
 #include <surfleet/geometry/point_cloud.hpp>
+#include <surfleet/geometry/point_location.hpp>
+#include <surfleet/geometry/polygon.hpp>
+#include <surfleet/geometry/polygon_clipping.hpp>
+#include <surfleet/geometry/polygon_geodesic.hpp>
+#include <surfleet/geometry/polygon_trapezoids.hpp>
+#include <surfleet/geometry/polygon_visibility.hpp>
+#include <surfleet/geometry/predicates.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
 #include <surfleet/geometry/text_scanner.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <surfleet/simulation/depth_camera.hpp>
+#include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/house.hpp>
 #include <surfleet/simulation/judge.hpp>
+#include <surfleet/simulation/mesh_map.hpp>
+#include <surfleet/simulation/planar_environments.hpp>
 #include <surfleet/simulation/powerplant.hpp>
 #include <surfleet/simulation/scene.hpp>
 #include <surfleet/simulation/scenes.hpp>
