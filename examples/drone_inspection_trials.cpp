@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Many inspections: planners, fleet sizes and seeds; mean and spread.
 //
-//   drone_inspection_trials --scene powerplant --planners surfleet,tsga,nnb --fleets 1,3,5 --trials 10
+//   drone_inspection_trials --scene powerplant --planners surfleet,tsga,nnb --fleets 1,3,5 --trials
+//   10
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -24,8 +25,9 @@ std::string spread(const std::vector<double>& values, double scale, int digits) 
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Runs an inspection for every planner, fleet size and seed, and prints mean and "
-               "standard deviation.\nWrites trials.json and report.html to --out."};
+  CLI::App app{
+      "Runs an inspection for every planner, fleet size and seed, and prints mean and "
+      "standard deviation.\nWrites trials.json and report.html to --out."};
   InspectionOptions options(app);
   std::string out = "out/trials";
   std::vector<std::string> planners{"surfleet", "tsga", "nnb"};
@@ -70,9 +72,10 @@ int run(int argc, char** argv) {
         const InspectionRun one =
             run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap&) {
               char text[160];
-              std::snprintf(text, sizeof text, "%s, %d drones, seed %llu: %5.0f s  %7.1f m  %zu left",
-                            planner.c_str(), n, static_cast<unsigned long long>(s.seed), p.time,
-                            p.path_length, p.incomplete);
+              std::snprintf(text, sizeof text,
+                            "%s, %d drones, seed %llu: %5.0f s  %7.1f m  %zu left", planner.c_str(),
+                            n, static_cast<unsigned long long>(s.seed), p.time, p.path_length,
+                            p.incomplete);
               line(text);
               return !cli::interrupted();
             });

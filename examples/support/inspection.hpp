@@ -236,7 +236,11 @@ struct InspectionSite {
   double area_per_sample = 0.0;  ///< [m²]
 
   InspectionSite(Scene s, const InspectionSettings& settings)
-      : scene(std::move(s)), space(scene.mesh), structure(scene.structure()), caster(scene.mesh), judge(scene.mesh) {
+      : scene(std::move(s)),
+        space(scene.mesh),
+        structure(scene.structure()),
+        caster(scene.mesh),
+        judge(scene.mesh) {
     const double ratio =
         std::tan(0.5 * radians(settings.fov[1])) / std::tan(0.5 * radians(settings.fov[0]));
     const int height = std::max(12, static_cast<int>(std::lround(settings.image_width * ratio)));
@@ -275,8 +279,8 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
   o.known_weight = s.known_weight;
   o.tsdf.truncation = 3.0 * s.voxel;
   o.body_radius = s.radius;
-  // The operator knows the place he starts from: nothing of the structure is nearer than this to any
-  // start, as far as it takes until the camera's image is as high as the body.
+  // The operator knows the place he starts from: nothing of the structure is nearer than this to
+  // any start, as far as it takes until the camera's image is as high as the body.
   const double needed = s.radius + 2.0 * s.voxel;
   o.start_clearance = needed / std::sin(0.5 * radians(s.fov[1])) + 1.5 * s.voxel;
   for (const Configuration& q : starts)
@@ -297,7 +301,8 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
 inline AnyPlanner planner_for(const InspectionSettings& s) {
   TourPlannerOptions tours;
   tours.distance = s.standoff;
-  tours.clusters = {.radius = s.cluster_radius, .max_radius = s.cluster_max_radius,
+  tours.clusters = {.radius = s.cluster_radius,
+                    .max_radius = s.cluster_max_radius,
                     .max_extent = 2.0 * s.cluster_max_radius};
   tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
   return make_planner(s.planner, tours, {});

@@ -124,8 +124,10 @@ class Mission {
         integrate_(options_.tsdf),
         known_(map_, {.known_weight = options_.known_weight}),
         observed_(map_, {.known_weight = options_.known_weight * options_.observed_share}),
+        flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
+                        .occupied_below = 0.5 * options_.voxel_size}),
         incomplete_({.known_weight = options_.known_weight, .region = options_.region}),
-        free_(observed_, {.radius = options_.body_radius, .bounds = options_.bounds}),
+        free_(flyable_, {.radius = options_.body_radius, .bounds = options_.bounds}),
         roadmap_(free_, {.seed = options_.seed}),
         ledger_(options_.max_looks) {
     for (const Configuration& start : starts) {
@@ -225,6 +227,7 @@ class Mission {
     result_.images += n;
     known_.update(map_);
     observed_.update(map_);
+    flyable_.update(map_);
     incomplete_.update(known_);
     free_.update();
     elements_dirty_ = true;
@@ -520,7 +523,7 @@ class Mission {
   World* world_;
   TsdfMap map_;
   TsdfIntegrator<> integrate_;
-  VoxelStateMap known_, observed_;
+  VoxelStateMap known_, observed_, flyable_;
   IncompleteSurface incomplete_;
   FreeSpace free_;
   LazyPrmStar roadmap_;

@@ -23,6 +23,9 @@ struct RatePlannerOptions {
   double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
   double prediction_worth = 0.6;  ///< Worth of predicted surface beside surface at hand.
   int stops = 2;                  ///< Stops planned ahead for each robot.
+  /// The search goes on until no stop could be better that sees at most this many times what the
+  /// best seen so far does.
+  double jackpot = 2.5;
 };
 
 /// Greedy flights by marginal rate.
@@ -31,8 +34,9 @@ struct RatePlannerOptions {
 /// stop is a node of the flight lattice and a heading; its rate is what it sees and nobody else
 /// was sent to see, over the metres it costs. Each robot in turn, the best first, is given the
 /// stop of the highest rate. The search goes outward from the robot and ends when no stop farther
-/// away could do better. Plans are made anew at every stop. Where the published method commits to
-/// a tour over what is known, this one is paid for by what the next flight will discover.
+/// away is likely to do better. Plans are made anew at every stop. Where the published method
+/// commits to a tour over what is known, this one is paid for by what the next flight will
+/// discover.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -51,7 +55,7 @@ class RatePlanner {
                                            options.spacing_share * range);
     sites_.clear();
     std::vector<char> done(targets.size(), 0);
-    const double most = targets.most_in_view();
+    most_ = 0.0;
 
     PlanResult result;
     result.routes.resize(request.robots.size());
@@ -61,16 +65,15 @@ class RatePlanner {
         waiting.push_back(r);
       else
         for (const Stop& stop : request.robots[r].remaining)
-          mark(targets, targets.seen_from(stop.configuration.position), stop.configuration.yaw,
-               done);
+          mark(targets.seen_from(stop.configuration.position), stop.configuration.yaw, done);
     }
     last_rate_ = 0.0;
     while (!waiting.empty()) {
       std::optional<Candidate> best;
       std::size_t who = 0;
       for (std::size_t w = 0; w < waiting.size(); ++w) {
-        const auto c =
-            best_stop(request.free_space, lattice, targets, done, most, request.robots[waiting[w]].configuration);
+        const auto c = best_stop(request.free_space, lattice, targets, done,
+                                 request.robots[waiting[w]].configuration);
         if (c && (!best || c->rate > best->rate)) {
           best = c;
           who = w;
@@ -82,7 +85,7 @@ class RatePlanner {
       Configuration at = best->configuration;
       route.push_back(make_stop(request, targets, *best, done));
       for (int s = 1; s < options.stops; ++s) {
-        const auto next = best_stop(request.free_space, lattice, targets, done, most, at);
+        const auto next = best_stop(request.free_space, lattice, targets, done, at);
         if (!next || next->rate < 0.5 * best->rate) break;
         at = next->configuration;
         route.push_back(make_stop(request, targets, *next, done));
@@ -102,16 +105,31 @@ class RatePlanner {
     int heading = 0;
   };
 
-  std::vector<SightTarget> make_targets(const PlanRequest& request) const {
+  /// Elements in cells of two voxels that face alike are one target, stood for by its first.
+  std::vector<SightTarget> make_targets(const PlanRequest& request) {
     const double voxel = request.known.voxel_size();
     std::vector<SightTarget> targets;
-    targets.reserve(request.work.size());
-    for (const IncompleteElement& e : request.work)
-      targets.push_back({e.position, e.direction, voxel * voxel, 2});
+    members_.clear();
+    std::unordered_map<std::uint64_t, std::size_t> groups;
+    for (std::size_t i = 0; i < request.work.size(); ++i) {
+      const IncompleteElement& e = request.work[i];
+      int axis = 0;
+      e.direction.cwiseAbs().maxCoeff(&axis);
+      std::uint64_t key = static_cast<std::uint64_t>(2 * axis + (e.direction[axis] > 0.0 ? 1 : 0));
+      for (int k = 0; k < 3; ++k)
+        key = key << 20 | (static_cast<std::uint64_t>(e.voxel[k] >> 1) & 0xfffffU);
+      const auto [it, fresh] = groups.try_emplace(key, targets.size());
+      if (fresh) {
+        targets.push_back({e.position, e.direction, 0.0, 2});
+        members_.emplace_back();
+      }
+      targets[it->second].worth += voxel * voxel;
+      members_[it->second].push_back(static_cast<std::int32_t>(i));
+    }
     const double reach = options.prediction_share * request.camera.max_range;
-    const double step = 2.0 * voxel;
-    for (const PredictedPatch& p : predict_surface(
-             request.work, request.known, {.reach = reach, .step = step, .region = request.region}))
+    for (const PredictedPatch& p :
+         predict_surface(request.work, request.known,
+                         {.reach = reach, .step = 2.0 * voxel, .region = request.region}))
       targets.push_back({p.position, p.normal, options.prediction_worth * p.area,
                          static_cast<int>(reach / voxel)});
     return targets;
@@ -129,21 +147,22 @@ class RatePlanner {
   std::optional<Candidate> best_stop(const FreeSpace& space,
                                      const FlightLattice<FreeSpace>& lattice,
                                      const SightTargets& targets, std::span<const char> done,
-                                     double most, const Configuration& from) {
+                                     const Configuration& from) {
     std::optional<Candidate> best;
     if (targets.size() == 0) return best;
     // A robot beside what has since turned out to be an obstacle first leaves for free space.
-    const Point3 start =
-        space.is_free(from.position)
-            ? from.position
-            : space.nearest_free(from.position, kEscape).value_or(from.position);
+    const Point3 start = space.is_free(from.position)
+                             ? from.position
+                             : space.nearest_free(from.position, kEscape).value_or(from.position);
     lattice.search(start, [&](const auto& site) {
-      if (best && most <= best->rate * (site.distance + options.stop_cost)) return false;
+      if (best && options.jackpot * most_ <= best->rate * (site.distance + options.stop_cost))
+        return false;
       const std::size_t index = lattice.index(site.cell);
       const auto worth = worth_by_heading(targets, sightings(targets, index, site.position), done);
       for (int k = 0; k < kHeadings; ++k) {
         const double w = worth[static_cast<std::size_t>(k)];
         if (w <= 0.0) continue;
+        most_ = std::max(most_, w);
         const double turn = std::abs(wrap_angle(heading_angle(k) - from.yaw));
         const double rate = w / (site.distance + options.stop_cost + options.turn_cost * turn);
         if (!best || rate > best->rate)
@@ -162,21 +181,23 @@ class RatePlanner {
       const auto id = static_cast<std::size_t>(s.target);
       if ((s.headings >> c.heading & 1U) == 0U || done[id] != 0) continue;
       done[id] = 1;
-      if (id < request.work.size()) stop.targets.push_back(request.work[id].voxel);
+      if (id < members_.size())
+        for (const std::int32_t i : members_[id])
+          stop.targets.push_back(request.work[static_cast<std::size_t>(i)].voxel);
     }
     return stop;
   }
 
-  static void mark(const SightTargets& targets, const std::vector<Sighting>& seen, double yaw,
-                   std::vector<char>& done) {
+  static void mark(const std::vector<Sighting>& seen, double yaw, std::vector<char>& done) {
     const int k =
         static_cast<int>(std::lround(yaw / (2.0 * kPi) * kHeadings) + kHeadings) % kHeadings;
     for (const Sighting& s : seen)
       if ((s.headings >> k & 1U) != 0U) done[static_cast<std::size_t>(s.target)] = 1;
-    static_cast<void>(targets);
   }
 
   std::unordered_map<std::size_t, std::vector<Sighting>> sites_;
+  std::vector<std::vector<std::int32_t>> members_;  // elements by target
+  double most_ = 0.0;                               // the worthiest view met in this call
   double last_rate_ = 0.0;
 };
 }  // namespace surfleet

@@ -47,10 +47,8 @@ class SightTargets {
                TargetSightOptions options = {})
       : targets_(std::move(targets)), map_(&map), camera_(&camera), options_(options) {
     if (options_.max_distance <= 0.0) options_.max_distance = camera.max_range;
-    for (int k = 0; k < kHeadings; ++k) {
-      const Eigen::AngleAxisd turn(heading_angle(k), Eigen::Vector3d::UnitZ());
-      T_camera_world_[static_cast<std::size_t>(k)] = (Pose(turn) * T_body_camera).inverse();
-    }
+    tabulate_headings(T_body_camera);
+    min_cosine_ = std::cos(options_.max_incidence);
     cell_ = options_.max_distance;
     order_.resize(targets_.size());
     keys_.resize(targets_.size());
@@ -91,50 +89,51 @@ class SightTargets {
     return seen;
   }
 
-  /// An upper bound on what any one position can see.
-  double most_in_view() const {
-    double most = 0.0;
-    for (std::size_t i = 0; i < packed_.size(); ++i) {
-      if (i > 0 && packed_[i] == packed_[i - 1]) continue;
-      const VoxelIndex c = keys_[static_cast<std::size_t>(order_[i])];
-      double sum = 0.0;
-      // A ball of one cell's radius about a point of cell c touches its 27 neighbours.
-      for (int z = -1; z <= 1; ++z)
-        for (int y = -1; y <= 1; ++y) {
-          const auto low =
-              std::lower_bound(packed_.begin(), packed_.end(), pack(c + VoxelIndex(-1, y, z)));
-          const auto high = std::upper_bound(low, packed_.end(), pack(c + VoxelIndex(1, y, z)));
-          for (auto it = low; it != high; ++it)
-            sum += targets_[static_cast<std::size_t>(
-                                order_[static_cast<std::size_t>(it - packed_.begin())])]
-                       .worth;
-        }
-      most = std::max(most, sum);
-    }
-    return most;
-  }
-
  private:
   VoxelIndex cell_of(const Point3& p) const { return (p / cell_).array().floor().cast<int>(); }
   static std::int64_t pack(const VoxelIndex& c) {
     constexpr std::int64_t bias = 1 << 20;
     return ((c.z() + bias) << 42) + ((c.y() + bias) << 21) + (c.x() + bias);
   }
+  /// The headings that have a direction in the image, by its azimuth and elevation.
+  void tabulate_headings(const Pose& T_body_camera) {
+    nearest_ =
+        camera_->min_range *
+        Eigen::Vector3d(std::max(camera_->cx, camera_->width - 1 - camera_->cx) / camera_->fx,
+                        std::max(camera_->cy, camera_->height - 1 - camera_->cy) / camera_->fy, 1.0)
+            .norm();
+    std::array<Eigen::Matrix3d, kHeadings> R_camera_world;
+    for (int k = 0; k < kHeadings; ++k)
+      R_camera_world[static_cast<std::size_t>(k)] =
+          (Eigen::AngleAxisd(heading_angle(k), Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+           T_body_camera.linear())
+              .transpose();
+    for (int e = 0; e < kElevations; ++e)
+      for (int a = 0; a < kAzimuths; ++a) {
+        const double sine = (e + 0.5) * 2.0 / kElevations - 1.0;
+        const double cosine = std::sqrt(1.0 - sine * sine);
+        const double azimuth = (a + 0.5) * 2.0 * kPi / kAzimuths - kPi;
+        const Eigen::Vector3d d(cosine * std::cos(azimuth), cosine * std::sin(azimuth), sine);
+        unsigned headings = 0;
+        for (unsigned k = 0; k < kHeadings; ++k)
+          if (camera_->project(R_camera_world[k] * d)) headings |= 1U << k;
+        headings_[static_cast<std::size_t>(e * kAzimuths + a)] =
+            static_cast<std::uint16_t>(headings);
+      }
+  }
   std::uint16_t headings_for(const Point3& p, std::size_t id) const {
     const SightTarget& t = targets_[id];
     const Eigen::Vector3d d = t.position - p;
-    const double distance = d.norm();
-    if (distance > options_.max_distance || distance < camera_->min_range) return 0;
-    if (!t.normal.isZero() && -d.dot(t.normal) < distance * std::cos(options_.max_incidence))
+    const double squared = d.squaredNorm();
+    if (squared > options_.max_distance * options_.max_distance || squared < nearest_ * nearest_)
       return 0;
-    std::uint16_t headings = 0;
-    for (std::size_t k = 0; k < kHeadings; ++k) {
-      const Point3 q = T_camera_world_[k] * d;
-      if (q.z() >= camera_->min_range && q.z() <= camera_->max_range &&
-          camera_->project(q).has_value())
-        headings = static_cast<std::uint16_t>(headings | (1U << k));
-    }
-    return headings;
+    const double distance = std::sqrt(squared);
+    if (!t.normal.isZero() && -d.dot(t.normal) < distance * min_cosine_) return 0;
+    const int e =
+        std::min(kElevations - 1, static_cast<int>((d.z() / distance + 1.0) * (0.5 * kElevations)));
+    const int a = std::min(kAzimuths - 1, static_cast<int>((std::atan2(d.y(), d.x()) + kPi) *
+                                                           (kAzimuths / (2.0 * kPi))));
+    return headings_[static_cast<std::size_t>(e * kAzimuths + a)];
   }
   bool in_sight(VoxelStateMap::Accessor& states, const Point3& p, std::size_t id) const {
     const SightTarget& t = targets_[id];
@@ -151,7 +150,10 @@ class SightTargets {
   const VoxelStateMap* map_;
   const PinholeCamera* camera_;
   TargetSightOptions options_;
-  std::array<Pose, kHeadings> T_camera_world_;
+  // Directions in cells of 2.8 degrees of azimuth and equal steps of the elevation's sine.
+  static constexpr int kAzimuths = 128, kElevations = 64;
+  std::array<std::uint16_t, kAzimuths * kElevations> headings_{};
+  double nearest_ = 0.0, min_cosine_ = 0.0;
   double cell_ = 1.0;
   std::vector<VoxelIndex> keys_;
   std::vector<std::int32_t> order_;

@@ -30,8 +30,8 @@ struct KeepAllocation {
 };
 
 struct TourPlannerOptions {
-  double distance = 4.7;       ///< δ_pose [m].
-  MergeOptions merge;          ///< ε and "almost parallel".
+  double distance = 4.7;  ///< δ_pose [m].
+  MergeOptions merge;     ///< ε and "almost parallel".
   /// d_ν and d_ν^max; without a bound on its extent one chain of views could go round it all.
   ClusterOptions clusters{.max_extent = 10.0};
   ExponentialUtility utility;  ///< λ_tc and λ_ic.

@@ -11,6 +11,9 @@
 namespace surfleet {
 struct VoxelStateOptions {
   double known_weight = 0.3;  ///< W_th: the weight from which a voxel counts as known.
+  /// Up to this distance in front of the surface a voxel counts as occupied [m]: more than 0 for a
+  /// map to fly by, in which convex edges, seen at a slant, must not be cut short.
+  double occupied_below = 0.0;
 };
 
 /// The states of a TSDF map's voxels, one byte each, kept up to date by the change.
@@ -31,13 +34,15 @@ class VoxelStateMap {
   /// that changed.
   std::size_t update(const TsdfMap& map) {
     const auto threshold = static_cast<float>(options_.known_weight);
+    const auto surface = static_cast<float>(options_.occupied_below);
     std::size_t changed = 0;
     for (const std::uint32_t slot : map.changed_since(cursor_)) {
       const TsdfMap::Block& source = map.block(slot);
       std::uint32_t own = grid_.find_slot(source.index);
       bool differs = false;
       for (std::size_t i = 0; i < TsdfMap::kBlockVoxels; ++i) {
-        const VoxelState s = voxel_state(source.voxels[i], threshold);
+        const TsdfVoxel& v = source.voxels[i];
+        const VoxelState s = voxel_state({v.distance - surface, v.weight}, threshold);
         if (own == Grid::kNone) {
           if (s == VoxelState::unknown) continue;
           own = grid_.ensure_slot(source.index);

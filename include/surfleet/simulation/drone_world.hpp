@@ -16,7 +16,7 @@
 
 namespace surfleet {
 struct DroneWorldOptions {
-  bool noise = true;         ///< Stereo noise, or exact depth.
+  bool noise = true;  ///< Stereo noise, or exact depth.
   StereoNoise stereo{};
   double body_radius = 0.5;  ///< Of a teammate as a camera sees it [m].
   std::uint64_t seed = 1;

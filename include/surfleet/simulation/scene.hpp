@@ -33,7 +33,7 @@ struct Scene {
   TriangleMesh structure() const {
     TriangleMesh part = mesh;
     part.triangles.resize(structure_triangles);
-    return part;
+    return cropped(part, part.bounds());
   }
 };
 
