@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// What knowing nothing costs: the coverage tour of the known scene beside a mission's path.
+//
+//   clairvoyant_tour --scene powerplant --coverage 0.9 --coverage 0.95
+//
+// Prints one JSON object a line: the share that was asked for, the share that was seen, the length.
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "support/inspection.hpp"
+
+#include <surfleet/adapters/embree_ray_caster.hpp>
+#include <surfleet/fleet/coverage_tour.hpp>
+#include <surfleet/simulation/mesh_map.hpp>
+
+namespace {
+using namespace surfleet;
+using namespace surfleet::examples;
+
+int run(int argc, char** argv) {
+  CLI::App app{"The coverage tour of a known scene: a yardstick for planners that do not know it."};
+  InspectionOptions options(app);
+  std::vector<double> coverages{0.9, 0.95};
+  CoverageTourOptions tour_options;
+  double density = 2.0;
+  app.add_option("--coverage", coverages, "shares to be seen")->capture_default_str();
+  app.add_option("--spacing", tour_options.spacing, "lattice of candidates [m]")
+      ->capture_default_str();
+  app.add_option("--stop-cost", tour_options.stop_cost, "[m]")->capture_default_str();
+  app.add_option("--density", density, "samples per square metre")->capture_default_str();
+  cli::parse(app, argc, argv);
+  InspectionSettings s = options.settle();
+  s.robots = 1;
+  InspectionSite site(open_scene(s), s);
+  const Configuration start =
+      starting_places(site.scene, site.space, 1, {.radius = s.radius, .margin = s.voxel}).front();
+
+  // The same free space and roadmap as a mission's, on the map a perfect survey would give.
+  const TsdfMap map = map_from_mesh(site.space.surface(), site.scene.bounds, s.voxel);
+  const VoxelStateMap states(map, {.known_weight = s.known_weight});
+  const MissionOptions mission = mission_options(s, site, {start});
+  const FreeSpace space(states, {.radius = s.radius, .bounds = mission.bounds, .margin = 0.0});
+  LazyPrmStar roadmap(space, {.seed = s.seed});
+
+  const SurfaceSamples all = sample_surface(site.scene.structure(), {.density = density});
+  std::vector<Point3> points;
+  std::vector<Eigen::Vector3d> normals;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (site.scene.region.contains(all.cloud.points[i])) {
+      points.push_back(all.cloud.points[i]);
+      normals.push_back(all.cloud.normals[i].cast<double>());
+    }
+  const std::vector<double> areas(points.size(), all.area_per_sample);
+  for (const double coverage : coverages) {
+    CoverageTourOptions o = tour_options;
+    o.coverage = coverage;
+    const auto before = std::chrono::steady_clock::now();
+    const CoverageTour tour = plan_coverage_tour({points, normals, areas}, site.caster, space,
+                                                 roadmap, site.camera, start, o);
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    const nlohmann::json line{{"scene", site.scene.name},
+                              {"asked", coverage},
+                              {"coverage", tour.coverage()},
+                              {"length_m", tour.length},
+                              {"viewpoints", tour.viewpoints.size()},
+                              {"reachable_m2", tour.reachable_area},
+                              {"seconds", seconds}};
+    std::printf("%s\n", line.dump().c_str());
+    std::fflush(stdout);
+  }
+  return cli::kDone;
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  return surfleet::cli::run("clairvoyant_tour", [&] { return run(argc, argv); });
+}

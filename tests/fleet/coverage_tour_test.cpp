@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/fleet/coverage_tour.hpp>
+
+#include "box_world.hpp"
+#include "check.hpp"
+
+namespace {
+using namespace surfleet;
+
+/// The box world, known: a map whose voxels within the box are occupied.
+struct Known {
+  box_world::World world;
+  TsdfMap map{{.voxel_size = 0.2}};
+  std::vector<Point3> points;
+  std::vector<Eigen::Vector3d> normals;
+  std::vector<double> areas;
+  Known() {
+    const MissionOptions o = box_world::options(world);
+    const VoxelIndex low = map.index_of(o.bounds.min()), high = map.index_of(o.bounds.max());
+    for (int z = low.z(); z <= high.z(); ++z)
+      for (int y = low.y(); y <= high.y(); ++y)
+        for (int x = low.x(); x <= high.x(); ++x) {
+          const bool inside = box_world::box().contains(map.center({x, y, z}));
+          map.ensure({x, y, z}) = {inside ? -0.2F : 0.2F, 1.0F};
+        }
+    for (std::uint32_t s = 0; s < map.block_count(); ++s) map.mark_changed(s);
+    for (std::size_t t = 0; t < world.mesh.triangles.size(); ++t) {
+      const double area = world.mesh.area(t);
+      for (double u = 1.0 / 6; u < 1.0; u += 1.0 / 3)
+        for (double v = 1.0 / 6; u + v < 1.0; v += 1.0 / 3) {
+          points.push_back(world.mesh.corner(t, 0) * (1.0 - u - v) + world.mesh.corner(t, 1) * u +
+                           world.mesh.corner(t, 2) * v);
+          normals.push_back(world.mesh.area_vector(t).normalized());
+          areas.push_back(area / 6.0);
+        }
+    }
+  }
+};
+
+TEST(tour_of_a_box_sees_what_it_promises_and_is_free) {
+  const Known known;
+  const VoxelStateMap states(known.map);
+  const MissionOptions o = box_world::options(known.world);
+  const FreeSpace space(states, {.radius = o.body_radius, .bounds = o.bounds});
+  LazyPrmStar roadmap(space, {.spacing = 1.0});
+  const Configuration start = box_world::starts(1).front();
+  double last = 0.0;
+  for (const double share : {0.5, 0.9, 1.0}) {
+    const CoverageTour tour =
+        plan_coverage_tour({known.points, known.normals, known.areas}, known.world.bvh, space,
+                           roadmap, o.camera, start, {.coverage = share, .spacing = 1.0});
+    CHECK(tour.coverage() >= share - 1e-9);
+    CHECK(tour.reachable_area > 0.95 * known.world.mesh.area());
+    CHECK_NEAR(tour.length, polyline_length(tour.path), 1e-9);
+    CHECK((tour.path.front() - start.position).norm() == 0.0);
+    for (std::size_t k = 1; k < tour.path.size(); ++k)
+      CHECK(space.is_free_segment(tour.path[k - 1], tour.path[k]));
+    CHECK(tour.length >= last - 1.0);
+    last = tour.length;
+    // The stops alone and the looks on the way account for what is claimed.
+    CHECK(!tour.viewpoints.empty() && tour.viewpoints.size() < 20);
+  }
+  CHECK(last < 30.0);
+}
+TEST(refuses_bad_settings) {
+  const Known known;
+  const VoxelStateMap states(known.map);
+  const MissionOptions o = box_world::options(known.world);
+  const FreeSpace space(states, {.radius = o.body_radius, .bounds = o.bounds});
+  LazyPrmStar roadmap(space);
+  const auto plan = [&](const KnownSurface& s, const CoverageTourOptions& t) {
+    return plan_coverage_tour(s, known.world.bvh, space, roadmap, o.camera,
+                              box_world::starts(1).front(), t);
+  };
+  const KnownSurface good{known.points, known.normals, known.areas};
+  CHECK_THROWS(Error, plan(good, {.coverage = 0.0}));
+  CHECK_THROWS(Error, plan(good, {.coverage = 1.5}));
+  CHECK_THROWS(Error, plan(good, {.spacing = 0.0}));
+  CHECK_THROWS(Error, plan({known.points, {}, known.areas}, {}));
+  CHECK(plan({}, {}).viewpoints.empty());
+}
+}  // namespace

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/fleet/look_ledger.hpp>
+#include <surfleet/fleet/teammate_mask.hpp>
+
+#include "check.hpp"
+
+namespace {
+using namespace surfleet;
+
+/// Free but for a slab 4 < x < 5 with a gap at y > 8.
+struct Slab {
+  bool is_free(const Point3& p) const { return !(p.x() > 4.0 && p.x() < 5.0 && p.y() < 8.0); }
+  bool is_free_segment(const Point3& a, const Point3& b) const {
+    for (int i = 0; i <= 200; ++i)
+      if (!is_free(a + (b - a) * (i / 200.0))) return false;
+    return true;
+  }
+};
+
+TEST(lattice_search_goes_outward_and_around) {
+  const Slab slab;
+  const Box3 box(Point3(0, 0, 0), Point3(10, 10, 3));
+  const FlightLattice<Slab> lattice(slab, box, 1.0);
+  CHECK(lattice.size() == 11 * 11 * 4);
+  double last = 0.0, behind = 0.0;
+  std::size_t visited = 0;
+  lattice.search({1.2, 1.1, 1.0}, [&](const auto& site) {
+    CHECK(site.distance >= last - 1e-9);
+    CHECK(slab.is_free(site.position) && box.contains(site.position));
+    last = site.distance;
+    ++visited;
+    if ((site.position - Point3(9, 1, 1)).norm() < 1e-9) behind = site.distance;
+    return true;
+  });
+  CHECK(visited == lattice.size());  // every node lies on a free integer coordinate
+  CHECK(behind > 14.0 && behind < 20.0);
+}
+TEST(lattice_search_stops_when_told_and_finds_nothing_when_shut_in) {
+  const Slab slab;
+  const FlightLattice<Slab> lattice(slab, {Point3(0, 0, 0), Point3(10, 10, 3)}, 1.0);
+  int visits = 0;
+  lattice.search({1, 1, 1}, [&](const auto&) { return ++visits < 5; });
+  CHECK(visits == 5);
+  struct Nowhere {
+    bool is_free(const Point3&) const { return false; }
+    bool is_free_segment(const Point3&, const Point3&) const { return false; }
+  } nowhere;
+  const FlightLattice<Nowhere> none(nowhere, {Point3(0, 0, 0), Point3(3, 3, 3)}, 1.0);
+  none.search({1, 1, 1}, [&](const auto&) {
+    CHECK(false);
+    return true;
+  });
+}
+
+TEST(ledger_gives_up_after_so_many_looks) {
+  LookLedger ledger(2);
+  const VoxelIndex v(1, -2, 3), w(4, 5, 6);
+  CHECK(!ledger.given_up(v));
+  ledger.looked_in_vain(v);
+  CHECK(!ledger.given_up(v));
+  ledger.looked_in_vain(v);
+  CHECK(ledger.reason(v) == LeftReason::seen_incomplete);
+  ledger.not_reached(w);
+  ledger.not_reached(w);
+  CHECK(ledger.reason(w) == LeftReason::unreachable);
+  CHECK(!ledger.given_up({0, 0, 0}));
+}
+
+TEST(teammates_are_masked_and_nothing_else) {
+  const PinholeCamera camera =
+      PinholeCamera::from_fov(radians(90.0), radians(60.0), 80, 46, 0.5, 8.0);
+  const Pose T_world_camera = Configuration{Point3(1, 2, 3), 0.4}.pose() * forward_camera_mount();
+  const Point3 mate = T_world_camera * Point3(0.7, -0.3, 4.0);
+  DepthImage image(camera.width, camera.height, 8.08F);
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      // A wall at 6 m, and the teammate's ball of 0.5 m before it.
+      const Eigen::Vector3d ray = camera.ray(u, v), c(0.7, -0.3, 4.0);
+      const double a = ray.squaredNorm(), b = ray.dot(c), q = b * b - a * (c.squaredNorm() - 0.25);
+      image(u, v) = static_cast<float>(q >= 0.0 ? (b - std::sqrt(q)) / a : 6.0);
+    }
+  const DepthImage before = image;
+  const std::vector<Point3> mates{mate, T_world_camera * Point3(0, 0, -3.0)};
+  mask_teammates(image, camera, T_world_camera, mates, 0.8);
+  int masked = 0;
+  for (std::size_t i = 0; i < image.depth.size(); ++i) {
+    const bool is_mate = before.depth[i] < 5.0F;
+    CHECK((image.depth[i] == 0.0F) == is_mate);
+    if (!is_mate) CHECK(image.depth[i] == before.depth[i]);
+    masked += is_mate ? 1 : 0;
+  }
+  CHECK(masked > 20);
+}
+}  // namespace
