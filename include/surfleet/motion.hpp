@@ -11,4 +11,5 @@
 #include <surfleet/motion/path_follower.hpp>
 #include <surfleet/motion/reachable_set.hpp>
 #include <surfleet/motion/shortcut.hpp>
+#include <surfleet/motion/tangent_bug.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
