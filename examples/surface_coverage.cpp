@@ -256,6 +256,15 @@ Deployment deploy(const Settings& s, const TriangleMesh& mesh, const SurfaceGrap
   return deploy<DualMeshGraph, EdgeGeodesic>(s, mesh, yardstick, options, exchange, line);
 }
 
+/// A colour for every robot: the palette, darker each time it comes round.
+Rgb robot_color(std::size_t i) {
+  constexpr std::size_t kPalette = 8;
+  Rgb color = categorical_color(i % kPalette);
+  const double light = std::pow(0.65, static_cast<double>(i / kPalette));
+  for (auto& channel : color) channel = static_cast<std::uint8_t>(light * channel);
+  return color;
+}
+
 /// The mesh with one colour a region; vertices are repeated where regions meet.
 TriangleMesh colored(const SurfaceRegions& regions) {
   const TriangleMesh& mesh = *regions.mesh;
@@ -273,7 +282,7 @@ TriangleMesh colored(const SurfaceRegions& regions) {
           result.vertices.push_back(mesh.vertices[i]);
           result.normals.push_back(normals[i]);
           result.colors.push_back(robot < 0 ? Rgb{150, 150, 150}
-                                            : categorical_color(static_cast<std::size_t>(robot)));
+                                            : robot_color(static_cast<std::size_t>(robot)));
         }
         v = name[i];
       }
@@ -527,7 +536,7 @@ int run(int argc, char** argv) {
     Rasterizer sweeps(view, style);
     sweeps.draw(paled(colored(sweep_regions)));
     for (std::size_t i = 0; i < sweep_paths.size(); ++i)
-      sweeps.draw_polyline(sweep_paths[i], categorical_color(i), 2.0);
+      sweeps.draw_polyline(sweep_paths[i], robot_color(i), 2.0);
     const Bytes png = encode_png(sweeps.image());
     write_file(out / "sweep.png", png);
     report.add_picture(png, "One covering path per robot.");
