@@ -84,11 +84,17 @@ class CoverageTourPlanner {
     grow();
     for (int round = 0; round < options_.rounds; ++round) {
       improve_order();
+      look_on_the_way();
       drop_useless();
       grow();
     }
     improve_order();
-    drop_useless();
+    // What was seen on the way to a stop that is gone, or in another order, does not count.
+    for (int round = 0; round < options_.rounds; ++round) {
+      look_on_the_way();
+      grow();
+    }
+    look_on_the_way();
     fly(tour);
     return tour;
   }
@@ -264,8 +270,8 @@ class CoverageTourPlanner {
   }
 
   /// Looks taken on the way, facing the next viewpoint's heading as a drone would that turns while
-  /// it flies; then viewpoints that see nothing of their own are dropped, the dearest first.
-  void drop_useless() {
+  /// it flies.
+  void look_on_the_way() {
     en_route_.assign(surface_.points.size(), 0);
     for (std::size_t k = 0; k < stops_.size(); ++k) {
       const auto path = roadmap_.query(place(k), place(k + 1));
@@ -283,6 +289,10 @@ class CoverageTourPlanner {
         until -= length;
       }
     }
+  }
+
+  /// Drops viewpoints that see nothing of their own, the dearest first.
+  void drop_useless() {
     double seen = count_seen();
     for (bool dropped = true; dropped && !stops_.empty();) {
       dropped = false;

@@ -121,7 +121,8 @@ class Mission {
         options_(checked(std::move(options), starts)),
         world_(&world),
         map_({.voxel_size = options_.voxel_size}),
-        integrate_(options_.tsdf),
+        // Behind a surface an image soon knows nothing: beams have another side.
+        integrate_(options_.tsdf, {.full = options_.voxel_size, .zero = 1.5 * options_.voxel_size}),
         known_(map_, {.known_weight = options_.known_weight}),
         observed_(map_, {.known_weight = options_.known_weight * options_.observed_share}),
         flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
@@ -522,7 +523,7 @@ class Mission {
   MissionOptions options_;
   World* world_;
   TsdfMap map_;
-  TsdfIntegrator<> integrate_;
+  TsdfIntegrator<DropOffWeight<>> integrate_;
   VoxelStateMap known_, observed_, flyable_;
   IncompleteSurface incomplete_;
   FreeSpace free_;

@@ -60,6 +60,11 @@ struct DropOffWeight {
   double operator()(double sdf, double range) const noexcept {
     return inner(sdf, range) * std::clamp((zero + sdf) / (zero - full), 0.0, 1.0);
   }
+  float from_squared_range(float sdf, float squared_range) const noexcept requires
+      SquaredRangeWeightPolicy<Inner> {
+    const float share = (static_cast<float>(zero) + sdf) / static_cast<float>(zero - full);
+    return inner.from_squared_range(sdf, squared_range) * std::clamp(share, 0.0F, 1.0F);
+  }
 };
 
 static_assert(SquaredRangeWeightPolicy<ConstantWeight>);

@@ -75,6 +75,11 @@ struct ProjectiveView {
   std::vector<float> depth_;
 };
 
+/// In front of a surface seen at a slant the way along the ray is much longer than the distance to
+/// the surface: up to this many truncations the tangent plane is asked, lest free space at a
+/// grazing angle eats into what it grazes.
+inline constexpr double kSlantReach = 5.0;
+
 enum class Visibility : std::uint8_t { none, mixed, free };
 
 /// A block a view may concern; `free` if all its voxels lie before every surface.
@@ -181,7 +186,7 @@ class ViewedBlockSearch {
     const auto [shallowest, deepest] = view_.pyramid.extremes(ua, va, ub, vb);
     if (deepest < low.z() - truncation_) return Visibility::none;
     const double limit = std::max<double>(view_.z_limit, 0.0);
-    if (inside && shallowest >= high.z() + truncation_ && high.z() <= limit) {
+    if (inside && shallowest >= high.z() + kSlantReach * truncation_ && high.z() <= limit) {
       const Eigen::Vector3d farthest = low.cwiseAbs().cwiseMax(high.cwiseAbs());
       if (farthest.norm() <= view_.range_limit) return carve_ ? Visibility::free : Visibility::none;
     }
@@ -270,6 +275,7 @@ class BlockObserver {
     // Along the ray: the difference of depths, scaled by the ray's length at unit depth. A surface
     // beyond the range counts as far as the range goes, so never from behind.
     float any = 0.0F;
+    const float slant = static_cast<float>(kSlantReach) * truncation_;
     const float carve_from = carve_ ? std::numeric_limits<float>::max() : truncation_;
     for (std::size_t i = 0; i < kSlice; ++i) {
       const float range = std::sqrt(squared_range[i]);
@@ -279,7 +285,7 @@ class BlockObserver {
       const bool measured = (surface <= view_.z_limit) & (range + d <= view_.range_limit);
       const bool front = in_range & (d > 0.0F) & (d < carve_from);
       const bool band = measured & (std::abs(d) < truncation_);
-      sdf[i] = std::min(d, truncation_);
+      sdf[i] = std::min(d, slant);
       seen[i] = (front | band) ? 1.0F : 0.0F;
       any += seen[i];
     }
@@ -288,12 +294,13 @@ class BlockObserver {
       for (std::size_t i = 0; i < kSlice; ++i) {
         const SurfacePlane& p = view_.planes[static_cast<std::size_t>(pixel[i])];
         const float d = p.offset - p.nx * across[i] - p.ny * down[i] - p.nz * depth[i];
-        if (std::abs(sdf[i]) < truncation_) sdf[i] = std::clamp(d, -truncation_, truncation_);
+        if (std::abs(sdf[i]) < slant) sdf[i] = std::clamp(d, -truncation_, truncation_);
       }
     } else {
       for (std::size_t i = 0; i < kSlice; ++i)
-        if (std::abs(sdf[i]) < truncation_ && seen[i] > 0.0F) refine(i, u[i], v[i], depth[i]);
+        if (std::abs(sdf[i]) < slant && seen[i] > 0.0F) refine(i, u[i], v[i], depth[i]);
     }
+    for (std::size_t i = 0; i < kSlice; ++i) sdf[i] = std::min(sdf[i], truncation_);
     return true;
   }
 
