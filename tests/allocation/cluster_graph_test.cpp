@@ -33,11 +33,11 @@ std::vector<ConfigurationCluster<Point3>> random_clusters(Random& random, int co
   std::vector<ConfigurationCluster<Point3>> clusters(count);
   for (auto& c : clusters) {
     c.gain = random.uniform(0.01, 0.3);
-    const Point3 centre(random.uniform(0, 60), random.uniform(0, 40), random.uniform(0, 15));
+    const Point3 centre{random.uniform(0, 60), random.uniform(0, 40), random.uniform(0, 15)};
     const int n = 1 + static_cast<int>(random.below(static_cast<std::uint64_t>(most)));
     for (int k = 0; k < n; ++k)
       c.configurations.push_back(centre +
-                                 Point3(random.normal(), random.normal(), random.normal()));
+                                 Point3{random.normal(), random.normal(), random.normal()});
   }
   return clusters;
 }

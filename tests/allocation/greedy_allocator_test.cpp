@@ -20,18 +20,18 @@ Clusters random_clusters(Random& random, int count, int most) {
   Clusters clusters(count);
   for (auto& c : clusters) {
     c.gain = random.uniform(0.01, 0.3);
-    const Point3 centre(random.uniform(0, 30), random.uniform(0, 20), random.uniform(0, 10));
+    const Point3 centre{random.uniform(0, 30), random.uniform(0, 20), random.uniform(0, 10)};
     const int n = 1 + static_cast<int>(random.below(static_cast<std::uint64_t>(most)));
     for (int k = 0; k < n; ++k)
       c.configurations.push_back(centre +
-                                 Point3(random.normal(), random.normal(), random.normal()));
+                                 Point3{random.normal(), random.normal(), random.normal()});
   }
   return clusters;
 }
 std::vector<Point3> random_starts(Random& random, int count) {
   std::vector<Point3> starts;
   for (int r = 0; r < count; ++r)
-    starts.emplace_back(random.uniform(0, 30), random.uniform(0, 20), 0.0);
+    starts.push_back({random.uniform(0, 30), random.uniform(0, 20), 0.0});
   return starts;
 }
 template <ClusterRouting G>

@@ -50,26 +50,24 @@ inline int run_all(const char* filter) {
 }  // namespace check
 
 /// `TEST(name) { … }` defines a case of the executable; the name must be unique in its file.
-#define TEST(name)                                                        \
-  static void test_##name();                                              \
-  [[maybe_unused]] static const bool registered_##name =                  \
-      check::add(#name, &test_##name);                                    \
+#define TEST(name)                                                                        \
+  static void test_##name();                                                              \
+  [[maybe_unused]] static const bool registered_##name = check::add(#name, &test_##name); \
   static void test_##name()
 #define CHECK(...) check::report(static_cast<bool>(__VA_ARGS__), __FILE__, __LINE__, #__VA_ARGS__)
-#define CHECK_NEAR(a, b, tolerance)                                                       \
-  do {                                                                                    \
-    const double check_a = static_cast<double>(a), check_b = static_cast<double>(b);      \
-    check::report(std::abs(check_a - check_b) <= (tolerance), __FILE__, __LINE__,         \
-                  #a " = " + std::to_string(check_a) + ", " #b " = " +                    \
-                      std::to_string(check_b));                                           \
+#define CHECK_NEAR(a, b, tolerance)                                                              \
+  do {                                                                                           \
+    const double check_a = static_cast<double>(a), check_b = static_cast<double>(b);             \
+    check::report(std::abs(check_a - check_b) <= (tolerance), __FILE__, __LINE__,                \
+                  #a " = " + std::to_string(check_a) + ", " #b " = " + std::to_string(check_b)); \
   } while (false)
-#define CHECK_THROWS(type, ...)                                                   \
-  do {                                                                            \
-    bool check_thrown = false;                                                    \
-    try {                                                                         \
-      static_cast<void>(__VA_ARGS__);                                             \
-    } catch (const type&) {                                                       \
-      check_thrown = true;                                                        \
-    }                                                                             \
+#define CHECK_THROWS(type, ...)                                                     \
+  do {                                                                              \
+    bool check_thrown = false;                                                      \
+    try {                                                                           \
+      static_cast<void>(__VA_ARGS__);                                               \
+    } catch (const type&) {                                                         \
+      check_thrown = true;                                                          \
+    }                                                                               \
     check::report(check_thrown, __FILE__, __LINE__, #__VA_ARGS__ " throws " #type); \
   } while (false)

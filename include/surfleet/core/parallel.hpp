@@ -87,7 +87,8 @@ void parallel_for(std::size_t n, int threads, Body&& body, std::size_t grain = 1
   const std::size_t chunks = (n + grain - 1) / std::max<std::size_t>(grain, 1);
   const int helpers =
       static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)),
-                                             std::max<std::size_t>(chunks, 1))) - 1;
+                                             std::max<std::size_t>(chunks, 1))) -
+      1;
   const auto serial = [&] {
     for (std::size_t i = 0; i < n; ++i) body(i);
   };

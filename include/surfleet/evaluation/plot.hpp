@@ -64,7 +64,7 @@ struct Plot {
   std::string x_label, y_label;
   std::vector<PlotSeries> series{};
   std::optional<double> y_min{}, y_max{};  ///< By default from the data, zero included when near.
-  int width = 640, height = 340;       ///< [px] of the view box; the picture scales with the page.
+  int width = 640, height = 340;  ///< [px] of the view box; the picture scales with the page.
 
   Plot& add(PlotSeries s) {
     series.push_back(std::move(s));

@@ -86,8 +86,10 @@ class TourPlanner {
                                      u.reason == NoViewReason::unreachable
                                          ? LeftReason::unreachable
                                          : LeftReason::no_free_pose);
-    const std::vector<Viewpoint> views = merge_viewpoints(
-        set, options.merge, SeesTargets(std::span(elements), &request.observed, frustum, is_free));
+    const std::vector<Viewpoint> views =
+        merge_viewpoints(set, options.merge,
+                         SeesTargets{std::span<const IncompleteElement>(elements),
+                                     &request.observed, frustum, is_free});
     if (views.empty()) return result;
 
     // Clusters and what they are worth.

@@ -16,12 +16,12 @@ namespace surfleet {
 /// Camera frame: x right, y down, z forward. Pixel (u, v) has its centre at integer coordinates.
 /// Ranges are depths along z, as the sensor reports them.
 struct PinholeCamera {
-  int width = 640;                   ///< [px]
-  int height = 480;                  ///< [px]
-  double fx = 525.0, fy = 525.0;     ///< Focal lengths [px].
-  double cx = 319.5, cy = 239.5;     ///< Principal point [px].
-  double min_range = 0.1;            ///< Nearest depth that is measured [m].
-  double max_range = 5.0;            ///< Farthest depth that is measured [m].
+  int width = 640;                ///< [px]
+  int height = 480;               ///< [px]
+  double fx = 525.0, fy = 525.0;  ///< Focal lengths [px].
+  double cx = 319.5, cy = 239.5;  ///< Principal point [px].
+  double min_range = 0.1;         ///< Nearest depth that is measured [m].
+  double max_range = 5.0;         ///< Farthest depth that is measured [m].
 
   /// A camera with the given full opening angles [rad]. Throws `Error` on angles outside
   /// (0°, 170°], an empty image or an empty range.
@@ -80,7 +80,8 @@ struct DepthImage {
 
   DepthImage() = default;
   DepthImage(int w, int h, float value = 0.0F)
-      : width(w), height(h),
+      : width(w),
+        height(h),
         depth(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value) {}
 
   std::size_t index(int u, int v) const {

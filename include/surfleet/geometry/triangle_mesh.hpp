@@ -95,8 +95,7 @@ inline std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
     for (const std::int32_t v : mesh.triangles[t])
       sum[static_cast<std::size_t>(v)] += mesh.area_vector(t);
   std::vector<Eigen::Vector3f> normals(sum.size());
-  for (std::size_t i = 0; i < sum.size(); ++i)
-    normals[i] = sum[i].stableNormalized().cast<float>();
+  for (std::size_t i = 0; i < sum.size(); ++i) normals[i] = sum[i].stableNormalized().cast<float>();
   return normals;
 }
 }  // namespace surfleet

@@ -273,8 +273,11 @@ class LazyPrmStar {
     const Point3 corner = c.cast<double>() * s;
     for (int attempt = 0; attempt < 4; ++attempt) {
       // The middle half of the cell: nearly even spacing, no lattice directions.
-      const Point3 p = corner + s * Point3(random.uniform(0.25, 0.75), random.uniform(0.25, 0.75),
-                                           random.uniform(0.25, 0.75));
+      // One draw a statement: the order in an argument list is the compiler's choice.
+      const double z = random.uniform(0.25, 0.75);
+      const double y = random.uniform(0.25, 0.75);
+      const double x = random.uniform(0.25, 0.75);
+      const Point3 p = corner + s * Point3(x, y, z);
       if (space_->is_free(p)) return p;
     }
     const auto& grid = space_->grid();
