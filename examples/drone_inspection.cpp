@@ -44,13 +44,13 @@ int run(int argc, char** argv) {
   const InspectionSettings& s = a.settings;
   InspectionSite site(open_scene(s), s);
   // Whatever can be refused is refused before the first file is made.
-  starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.voxel});
+  starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.margin});
   const auto out = cli::prepare_output_folder(a.out);
   cli::watch_interrupts();
   cli::ProgressLine line(!a.quiet);
   line("finding what could be seen of " + site.scene.name);
   site.find_reference(
-      s, starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.voxel})
+      s, starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.margin})
              .front()
              .position);
 

@@ -48,7 +48,7 @@ int run(int argc, char** argv) {
   InspectionSite site(open_scene(base), base);
   const int most = *std::max_element(fleets.begin(), fleets.end());
   const auto starts =
-      starting_places(site.scene, site.space, most, {.radius = base.radius, .margin = base.voxel});
+      starting_places(site.scene, site.space, most, {.radius = base.radius, .margin = base.margin});
   const auto folder = cli::prepare_output_folder(out);
   cli::watch_interrupts();
   cli::ProgressLine line;

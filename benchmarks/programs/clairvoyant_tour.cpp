@@ -35,7 +35,7 @@ int run(int argc, char** argv) {
   s.robots = 1;
   InspectionSite site(open_scene(s), s);
   const Configuration start =
-      starting_places(site.scene, site.space, 1, {.radius = s.radius, .margin = s.voxel}).front();
+      starting_places(site.scene, site.space, 1, {.radius = s.radius, .margin = s.margin}).front();
 
   // The same free space and roadmap as a mission's, on the map a perfect survey would give.
   const TsdfMap map = map_from_mesh(site.space.surface(), site.scene.bounds, s.voxel);

@@ -44,6 +44,7 @@ struct InspectionSettings {
   double standoff = 4.7;
   double speed = 0.6;
   double radius = 1.0;
+  double margin = 0.3;
   std::vector<double> start, bounds;
   std::optional<double> ground;
   bool noise = true;
@@ -59,6 +60,7 @@ struct InspectionSettings {
 inline void apply_preset(InspectionSettings& s, std::string_view name) {
   if (name == "powerplant") {
     s.voxel = 0.3;
+    s.margin = 0.3;
     s.range = {1.6, 8.0};
     s.standoff = 4.7;
     s.cluster_radius = 2.0;
@@ -67,6 +69,7 @@ inline void apply_preset(InspectionSettings& s, std::string_view name) {
     s.utility_share = 0.8;
   } else if (name == "statue") {
     s.voxel = 0.15;
+    s.margin = 0.4;  // its crown has spikes that such voxels know only in part
     s.range = {1.0, 5.0};
     s.standoff = 3.6;
     s.cluster_radius = 2.5;
@@ -102,6 +105,7 @@ class InspectionOptions {
     add(app, "--standoff", settings.standoff, "delta_pose, distance of a view [m]");
     add(app, "--speed", settings.speed, "nominal speed [m/s]");
     add(app, "--radius", settings.radius, "of a drone's body [m]");
+    add(app, "--margin", settings.margin, "kept beyond the body [m]");
     add(app, "--start", settings.start, "place of the first drone [m]")->expected(3);
     add(app, "--bounds", settings.bounds, "flight space x0 y0 z0 x1 y1 z1 [m]")->expected(6);
     ground_ = app.add_option("--ground", ground_z_, "height of a ground plane under the mesh [m]");
@@ -130,6 +134,7 @@ class InspectionOptions {
       if (was_given(option)) s.*member = given.*member;
     };
     keep("--voxel", &InspectionSettings::voxel);
+    keep("--margin", &InspectionSettings::margin);
     keep("--range", &InspectionSettings::range);
     keep("--standoff", &InspectionSettings::standoff);
     keep("--cluster-radius", &InspectionSettings::cluster_radius);
@@ -174,6 +179,7 @@ class InspectionOptions {
     positive(s.standoff, "--standoff");
     positive(s.speed, "--speed");
     positive(s.radius, "--radius");
+    positive(s.margin, "--margin");
     positive(s.max_time, "--max-time");
     positive(s.known_weight, "--known-weight");
     positive(s.cluster_radius, "--cluster-radius");
@@ -208,7 +214,7 @@ inline Scene open_scene(const InspectionSettings& s) {
     o.ground = s.ground;
     o.standoff = std::max(8.0 * s.range[1] / 8.0, 3.0 * s.radius);
     o.radius = s.radius;
-    o.margin = s.voxel;
+    o.margin = s.margin;
     return scene_from_mesh(read_mesh(s.scene), o);
   }
   Scene scene = scene_by_name(s.scene);
@@ -279,9 +285,10 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
   o.known_weight = s.known_weight;
   o.tsdf.truncation = 3.0 * s.voxel;
   o.body_radius = s.radius;
+  o.margin = s.margin;
   // The operator knows the place he starts from: nothing of the structure is nearer than this to
   // any start, as far as it takes until the camera's image is as high as the body.
-  const double needed = s.radius + 2.0 * s.voxel;
+  const double needed = s.radius + s.margin + s.voxel;
   o.start_clearance = needed / std::sin(0.5 * radians(s.fov[1])) + 1.5 * s.voxel;
   for (const Configuration& q : starts)
     o.start_clearance = std::min(o.start_clearance, site.structure.distance(q.position));
@@ -291,7 +298,7 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
   o.region = site.scene.region;
   o.bounds = site.scene.bounds;
   if (site.scene.has_ground)
-    o.bounds.min().z() = std::max(o.bounds.min().z(), site.scene.ground_z + s.radius + s.voxel);
+    o.bounds.min().z() = std::max(o.bounds.min().z(), site.scene.ground_z + s.radius + s.margin);
   o.max_time = s.max_time;
   o.threads = s.threads;
   o.seed = s.seed;
@@ -324,7 +331,7 @@ template <typename Progress>
 InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
                              const Progress& progress) {
   const std::vector<Configuration> starts =
-      starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.voxel});
+      starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.margin});
   DroneWorld<EmbreeRayCaster> world(
       site.caster, site.camera, forward_camera_mount(),
       {.noise = s.noise, .body_radius = 0.5 * s.radius, .seed = s.seed});

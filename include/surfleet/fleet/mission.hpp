@@ -55,6 +55,7 @@ struct MissionOptions {
   double observed_share = 0.15;  ///< Share of W_th from which a voxel serves flight and sight.
   TsdfOptions tsdf;              ///< A truncation of 0 stands for three voxels.
   double body_radius = 1.0;      ///< [m]
+  double margin = 0.0;           ///< Kept beyond the body [m]; 0 stands for one voxel.
   double start_clearance = 2.5;  ///< What is known to be free around every start [m].
   AerialLimits limits;
   double image_period = 0.25;  ///< Between a robot's images, and the step of the clock [s].
@@ -128,7 +129,9 @@ class Mission {
         flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
                         .occupied_below = 0.5 * options_.voxel_size}),
         incomplete_({.known_weight = options_.known_weight, .region = options_.region}),
-        free_(flyable_, {.radius = options_.body_radius, .bounds = options_.bounds}),
+        free_(
+            flyable_,
+            {.radius = options_.body_radius, .bounds = options_.bounds, .margin = options_.margin}),
         roadmap_(free_, {.seed = options_.seed}),
         ledger_(options_.max_looks) {
     for (const Configuration& start : starts) {
@@ -207,6 +210,7 @@ class Mission {
     for (const Configuration& s : starts)
       require(o.bounds.contains(s.position), "start outside the bounds: expected a start inside");
     if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
+    if (o.margin <= 0.0) o.margin = o.voxel_size;
     o.tsdf.threads = o.threads;
     return o;
   }
