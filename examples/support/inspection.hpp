@@ -54,6 +54,7 @@ struct InspectionSettings {
   double cluster_radius = 2.0, cluster_max_radius = 5.0;
   double lambda_tc = 0.3, lambda_ic = 0.03;
   double utility_share = 0.8;
+  int max_looks = 3;
 };
 
 /// The seeds' parameter sets [000 Tables 2.1, 3.1].
@@ -118,6 +119,7 @@ class InspectionOptions {
     add(app, "--lambda-ic", settings.lambda_ic, "penalty of travel inside clusters [1/m]");
     add(app, "--utility-share", settings.utility_share,
         "c_thres: share of a route's work whose completion asks for a new plan");
+    add(app, "--max-looks", settings.max_looks, "looks in vain before an element is given up");
   }
 
   /// Call once, after parsing: applies the preset under what was given, and checks everything that
@@ -185,6 +187,7 @@ class InspectionOptions {
     positive(s.cluster_radius, "--cluster-radius");
     require(s.lambda_tc >= 0.0 && s.lambda_ic >= 0.0,
             "--lambda-tc, --lambda-ic: expected 0 or more");
+    require(s.max_looks >= 1 && s.max_looks <= 100, "--max-looks: expected 1 to 100");
     require(s.utility_share > 0.0 && s.utility_share <= 1.0, "--utility-share: expected (0, 1]");
     require(s.architecture.empty() || s.architecture == "single" || s.architecture == "centralized",
             "--architecture " + s.architecture + ": expected single or centralized");
@@ -295,6 +298,7 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
   o.limits.speed = s.speed;
   o.image_period = 1.0 / s.rate;
   o.utility_share = s.utility_share;
+  o.looks.max_looks = s.max_looks;
   o.region = site.scene.region;
   o.bounds = site.scene.bounds;
   if (site.scene.has_ground)

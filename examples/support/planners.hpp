@@ -41,11 +41,12 @@ inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& 
   if (name == "nnb") return AnyPlanner::of(NnbPlanner(asynchronous));
   if (name == "tsga-async") return AnyPlanner::of(TsgaPlanner(asynchronous));
   if (name == "tsga-improved") return AnyPlanner::of(ImprovedTsgaPlanner(tours));
-  if (name == "makespan" || name == "tours") return AnyPlanner::of(MakespanPlanner(tours));
+  if (name == "makespan") return AnyPlanner::of(MakespanPlanner(tours));
+  if (name == "tours") return AnyPlanner::of(CoverPlanner(tours));
   if (name == "rate") return AnyPlanner::of(RatePlanner(rate));
   if (name == "surfleet")
     return AnyPlanner::of(
-        RateThenTours<RatePlanner, MakespanPlanner>(RatePlanner(rate), MakespanPlanner(tours)));
+        RateThenTours<RatePlanner, CoverPlanner>(RatePlanner(rate), CoverPlanner(tours)));
   std::string known;
   for (const std::string& n : planner_names()) known += (known.empty() ? "" : ", ") + n;
   throw Error("planner " + std::string(name) + ": not known; expected one of " + known);

@@ -8,5 +8,6 @@
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/viewpoint.hpp>
 #include <surfleet/viewpoint/viewpoint_clustering.hpp>
+#include <surfleet/viewpoint/viewpoint_cover.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
 #include <surfleet/viewpoint/visibility.hpp>

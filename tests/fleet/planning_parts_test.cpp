@@ -54,12 +54,14 @@ TEST(lattice_search_stops_when_told_and_finds_nothing_when_shut_in) {
 }
 
 TEST(ledger_gives_up_after_so_many_looks) {
-  LookLedger ledger(2);
+  LookLedger ledger({.max_looks = 2});
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::UnitX();
   const VoxelIndex v(1, -2, 3), w(4, 5, 6);
-  CHECK(!ledger.given_up(v));
-  ledger.looked_in_vain(v);
-  CHECK(!ledger.given_up(v));
-  ledger.looked_in_vain(v);
+  CHECK(!ledger.given_up(v) && ledger.fresh(v) && ledger.promises(v, up));
+  ledger.looked_in_vain(v, up);
+  CHECK(!ledger.given_up(v) && !ledger.fresh(v));
+  CHECK(!ledger.promises(v, (up + 0.3 * side).normalized()) && ledger.promises(v, side));
+  ledger.looked_in_vain(v, side);
   CHECK(ledger.reason(v) == LeftReason::seen_incomplete);
   ledger.not_reached(w);
   ledger.not_reached(w);

@@ -7,8 +7,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -60,20 +58,15 @@ class CoverageTourPlanner {
                       LazyPrmStar& roadmap, const PinholeCamera& camera, const Pose& T_body_camera,
                       const Configuration& start, const CoverageTourOptions& options)
       : surface_(surface),
-        caster_(caster),
         space_(space),
         roadmap_(roadmap),
-        camera_(camera),
         start_(start),
-        options_(options) {
-    const double range = options.max_distance > 0.0 ? options.max_distance : camera.max_range;
-    range_ = std::min(range, camera.max_range * 1.8);
-    for (int k = 0; k < kHeadings; ++k)
-      T_camera_body_[static_cast<std::size_t>(k)] =
-          (Pose(Eigen::AngleAxisd(heading_angle(k), Eigen::Vector3d::UnitZ())) * T_body_camera)
-              .inverse();
-    sort_samples();
-  }
+        options_(options),
+        range_(options.max_distance > 0.0 ? std::min(options.max_distance, camera.max_range)
+                                          : camera.max_range),
+        headings_(camera, T_body_camera),
+        targets_(targets_of(surface), MeshSight<Caster>(caster), headings_,
+                 {.max_distance = range_, .max_incidence = options.max_incidence}) {}
 
   CoverageTour plan() {
     find_candidates();
@@ -106,62 +99,18 @@ class CoverageTourPlanner {
     std::vector<std::int32_t> seen;
   };
 
-  void sort_samples() {
-    order_.resize(surface_.points.size());
-    for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<std::int32_t>(i);
-    std::vector<std::int64_t> keys(order_.size());
-    for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = pack(cell_of(surface_.points[i]));
-    std::sort(order_.begin(), order_.end(), [&](std::int32_t a, std::int32_t b) {
-      const auto ka = keys[static_cast<std::size_t>(a)], kb = keys[static_cast<std::size_t>(b)];
-      return ka != kb ? ka < kb : a < b;
-    });
-    for (const std::int32_t i : order_) packed_.push_back(keys[static_cast<std::size_t>(i)]);
-  }
-  VoxelIndex cell_of(const Point3& p) const { return (p / range_).array().floor().cast<int>(); }
-  static std::int64_t pack(const VoxelIndex& c) {
-    constexpr std::int64_t bias = 1 << 20;
-    return ((c.z() + bias) << 42) + ((c.y() + bias) << 21) + (c.x() + bias);
-  }
-
-  /// The samples in view from a place, with the headings (bits) from which they are.
-  std::vector<Sighting> seen_from(const Point3& p) const {
-    std::vector<Sighting> seen;
-    const VoxelIndex c = cell_of(p);
-    const double min_cosine = std::cos(options_.max_incidence);
-    for (int z = -1; z <= 1; ++z)
-      for (int y = -1; y <= 1; ++y) {
-        const auto low =
-            std::lower_bound(packed_.begin(), packed_.end(), pack(c + VoxelIndex(-1, y, z)));
-        const auto high = std::upper_bound(low, packed_.end(), pack(c + VoxelIndex(1, y, z)));
-        for (auto it = low; it != high; ++it) {
-          const std::int32_t id = order_[static_cast<std::size_t>(it - packed_.begin())];
-          const auto i = static_cast<std::size_t>(id);
-          const Eigen::Vector3d d = surface_.points[i] - p;
-          const double distance = d.norm();
-          if (distance > range_ || distance < camera_.min_range ||
-              -d.dot(surface_.normals[i]) < distance * min_cosine)
-            continue;
-          std::uint16_t headings = 0;
-          for (std::size_t k = 0; k < kHeadings; ++k) {
-            const Point3 q = T_camera_body_[k] * d;
-            if (q.z() >= camera_.min_range && q.z() <= camera_.max_range && camera_.project(q))
-              headings = static_cast<std::uint16_t>(headings | (1U << k));
-          }
-          if (headings == 0) continue;
-          const auto hit = caster_.cast(p, d / distance, distance - 1e-3);
-          if (!hit) seen.push_back({id, headings});
-        }
-      }
-    std::sort(seen.begin(), seen.end(),
-              [](const Sighting& a, const Sighting& b) { return a.target < b.target; });
-    return seen;
+  static std::vector<SightTarget> targets_of(const KnownSurface& surface) {
+    std::vector<SightTarget> targets;
+    for (std::size_t i = 0; i < surface.points.size(); ++i)
+      targets.push_back({surface.points[i], surface.normals[i], surface.areas[i], 0});
+    return targets;
   }
 
   void find_candidates() {
     reachable_.assign(surface_.points.size(), 0);
     const FlightLattice<FreeSpace> lattice(space_, space_.options().bounds, options_.spacing);
     lattice.search(start_.position, [&](const auto& site) {
-      const std::vector<Sighting> seen = seen_from(site.position);
+      const std::vector<Sighting> seen = targets_.seen_from(site.position);
       for (const Sighting& s : seen) reachable_[static_cast<std::size_t>(s.target)] = 1;
       for (int k = 0; k < kHeadings && !seen.empty(); ++k) {
         Candidate c{site.position, k, {}};
@@ -282,7 +231,7 @@ class CoverageTourPlanner {
         const double length = (b - a).norm();
         for (; until < length; until += options_.image_spacing) {
           const int heading = candidates_[stops_[k]].heading;
-          for (const Sighting& seen : seen_from(a + (b - a) * (until / length)))
+          for (const Sighting& seen : targets_.seen_from(a + (b - a) * (until / length)))
             if ((seen.headings >> heading & 1U) != 0U)
               en_route_[static_cast<std::size_t>(seen.target)] = 1;
         }
@@ -336,16 +285,13 @@ class CoverageTourPlanner {
   }
 
   const KnownSurface& surface_;
-  const Caster& caster_;
   const FreeSpace& space_;
   LazyPrmStar& roadmap_;
-  const PinholeCamera& camera_;
   Configuration start_;
   CoverageTourOptions options_;
-  double range_ = 1.0, goal_ = 0.0;
-  std::array<Pose, kHeadings> T_camera_body_;
-  std::vector<std::int32_t> order_;
-  std::vector<std::int64_t> packed_;
+  double range_, goal_ = 0.0;
+  HeadingTable headings_;
+  SightTargets<MeshSight<Caster>> targets_;
   std::vector<Candidate> candidates_;
   std::vector<std::size_t> stops_;
   std::vector<int> count_;

@@ -2,40 +2,70 @@
 /// @file  What was looked at in vain, so that no robot looks for ever.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <vector>
 
-#include <surfleet/fleet/plan.hpp>
+#include <surfleet/core/types.hpp>
+#include <surfleet/fleet/left_reason.hpp>
+#include <surfleet/mapping/voxel_grid.hpp>
 
 namespace surfleet {
-/// Counts, for every incomplete element, the looks that should have completed it and did not.
+struct LookLedgerOptions {
+  int max_looks = 3;  ///< Looks in vain, or flights that found no way, before one gives up.
+  /// A look within this angle of one in vain would be in vain too [rad].
+  double same_side = radians(40.0);
+};
+
+/// Remembers, for every incomplete element, the looks that should have completed it and did not.
 class LookLedger {
  public:
-  explicit LookLedger(int max_looks = 3) : max_looks_(max_looks) {}
+  explicit LookLedger(LookLedgerOptions options = {})
+      : options_(options), same_side_(std::cos(options.same_side)) {}
 
-  /// A look that should have been enough left the element incomplete.
-  void looked_in_vain(const VoxelIndex& v) { ++entries_[key(v)].looks; }
+  /// A look that should have been enough left the element incomplete; `direction` is the unit
+  /// vector from it to the camera.
+  void looked_in_vain(const VoxelIndex& v, const Eigen::Vector3d& direction) {
+    entries_[key(v)].looks.push_back(direction);
+  }
   /// No path was found to a configuration that sees it.
   void not_reached(const VoxelIndex& v) { ++entries_[key(v)].failures; }
+
+  /// Whether no look was in vain yet.
+  bool fresh(const VoxelIndex& v) const {
+    const auto it = entries_.find(key(v));
+    return it == entries_.end() || it->second.looks.empty();
+  }
+  /// Whether a look along this direction shows a side that was not looked at in vain.
+  bool promises(const VoxelIndex& v, const Eigen::Vector3d& direction) const {
+    const auto it = entries_.find(key(v));
+    if (it == entries_.end()) return true;
+    return std::none_of(it->second.looks.begin(), it->second.looks.end(),
+                        [&](const Eigen::Vector3d& l) { return l.dot(direction) > same_side_; });
+  }
   bool given_up(const VoxelIndex& v) const { return reason(v).has_value(); }
   /// Why nobody is sent there any more; nothing while it is worth another look.
   std::optional<LeftReason> reason(const VoxelIndex& v) const {
     const auto it = entries_.find(key(v));
     if (it == entries_.end()) return std::nullopt;
-    if (it->second.looks >= max_looks_) return LeftReason::seen_incomplete;
-    if (it->second.failures >= max_looks_) return LeftReason::unreachable;
+    if (static_cast<int>(it->second.looks.size()) >= options_.max_looks)
+      return LeftReason::seen_incomplete;
+    if (it->second.failures >= options_.max_looks) return LeftReason::unreachable;
     return std::nullopt;
   }
 
  private:
   struct Entry {
-    int looks = 0, failures = 0;
+    std::vector<Eigen::Vector3d> looks;
+    int failures = 0;
   };
   using Key = std::array<int, 3>;
   static Key key(const VoxelIndex& v) { return {v.x(), v.y(), v.z()}; }
-  int max_looks_;
+  LookLedgerOptions options_;
+  double same_side_;
   std::map<Key, Entry> entries_;
 };
 }  // namespace surfleet

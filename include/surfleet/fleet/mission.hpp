@@ -34,6 +34,8 @@
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
+#include <surfleet/viewpoint/view_frustum.hpp>
+#include <surfleet/viewpoint/visibility.hpp>
 
 namespace surfleet {
 /// Where the robots really are: a simulator, or the robots themselves.
@@ -61,7 +63,7 @@ struct MissionOptions {
   double image_period = 0.25;  ///< Between a robot's images, and the step of the clock [s].
   double utility_share = 0.8;  ///< c_thres: share of a route's elements whose completion asks
                                ///< for a new plan.
-  int max_looks = 3;           ///< Looks in vain after which an element is given up.
+  LookLedgerOptions looks;     ///< When an element is given up.
   double max_dwell = 10.0;     ///< Longest stay at a stop [s].
   bool watchful = true;        ///< On the way, turn to what there is to see.
   Box3 region;                 ///< Where surface is to be reconstructed [m].
@@ -133,7 +135,9 @@ class Mission {
             flyable_,
             {.radius = options_.body_radius, .bounds = options_.bounds, .margin = options_.margin}),
         roadmap_(free_, {.seed = options_.seed}),
-        ledger_(options_.max_looks) {
+        headings_(options_.camera, options_.T_body_camera),
+        frustum_(options_.camera, options_.T_body_camera),
+        ledger_(options_.looks) {
     for (const Configuration& start : starts) {
       free_.add_known_free({start.position, options_.start_clearance});
       agents_.emplace_back(AerialMotion(start, options_.limits));
@@ -286,8 +290,6 @@ class Mission {
       }
       if (a.phase != Phase::flying) continue;
       if (!a.route.front().targets.empty() && !any_open(a.route.front())) {
-        // Completed from elsewhere: passed over.
-        a.route.erase(a.route.begin());
         halt(a);
       } else if (obstacle_ahead_(free_, a.motion.remaining(), a.motion.stopping_distance())) {
         ++result_.emergency_stops;
@@ -297,12 +299,29 @@ class Mission {
   }
   void leave_stop(std::size_t r) {
     Agent& a = agents_[r];
-    for (const VoxelIndex& v : a.route.front().targets)
-      if (incomplete_.contains(v) && a.images >= looks_needed(fleet_[r], v))
-        ledger_.looked_in_vain(v);
+    note_looks_in_vain(r);
     elements_dirty_ = true;
     a.route.erase(a.route.begin());
     a.phase = Phase::waiting;
+  }
+  /// Whatever was in fair view from this stop for long enough and is still incomplete, and what the
+  /// stop was for in any case, was looked at in vain.
+  void note_looks_in_vain(std::size_t r) {
+    const Agent& a = agents_[r];
+    const ViewFrustum::Placed view = frustum_.at(fleet_[r]);
+    const Point3 eye = view.eye();
+    LineOfSight line(observed_);
+    const Stop& stop = a.route.front();
+    for (const IncompleteElement& e : work()) {
+      if (a.images < looks_needed(fleet_[r], e.voxel)) continue;
+      const Eigen::Vector3d to_eye = (eye - e.position).normalized();
+      const bool fair = view.contains(e.position) &&
+                        (e.direction.isZero() || e.direction.dot(to_eye) > kFairLook) &&
+                        line.sees(eye, e.voxel);
+      if (fair ||
+          std::find(stop.targets.begin(), stop.targets.end(), e.voxel) != stop.targets.end())
+        ledger_.looked_in_vain(e.voxel, to_eye);
+    }
   }
   void halt(Agent& a) {
     a.motion.stop();
@@ -339,10 +358,12 @@ class Mission {
                               .incomplete = incomplete_,
                               .known = known_,
                               .observed = observed_,
+                              .ledger = ledger_,
                               .free_space = free_,
                               .roadmap = roadmap_,
                               .camera = options_.camera,
                               .T_body_camera = options_.T_body_camera,
+                              .headings = headings_,
                               .region = options_.region,
                               .robots = robots,
                               .time = time_,
@@ -376,6 +397,10 @@ class Mission {
     Agent& a = agents_[r];
     while (!a.route.empty()) {
       const Stop& stop = a.route.front();
+      if (!stop.targets.empty() && !any_open(stop)) {  // completed from elsewhere: passed over
+        a.route.erase(a.route.begin());
+        continue;
+      }
       if (auto path = roadmap_.query(fleet_[r].position, stop.configuration.position)) {
         a.watch_yaw = stop.configuration.yaw;
         AerialMotion::YawLaw look;
@@ -485,7 +510,7 @@ class Mission {
       if ((e.position - fleet_[r].position).squaredNorm() < reach * reach)
         near.push_back({e.position, e.direction, 1.0, 2});
     if (near.empty()) return goal.yaw;
-    const SightTargets targets(std::move(near), observed_, options_.camera, options_.T_body_camera,
+    const SightTargets targets(std::move(near), MapSight(observed_), headings_,
                                {.max_distance = reach});
     const std::vector<char> none(targets.size(), 0);
     const auto worth = worth_by_heading(targets, targets.seen_from(fleet_[r].position), none);
@@ -521,6 +546,7 @@ class Mission {
     });
   }
 
+  static constexpr double kFairLook = 0.4;   ///< Least cosine between n̄_v and the line of sight.
   static constexpr double kIdle = 2.0;       ///< Between requests of a robot without work [s].
   static constexpr double kPatience = 10.0;  ///< Without work before the mission ends [s].
 
@@ -532,6 +558,8 @@ class Mission {
   IncompleteSurface incomplete_;
   FreeSpace free_;
   LazyPrmStar roadmap_;
+  HeadingTable headings_;
+  ViewFrustum frustum_;
   LookLedger ledger_;
   ObstacleCheck obstacle_ahead_{.lookahead = 1.5};
   std::vector<Agent> agents_;

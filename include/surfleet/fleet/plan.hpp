@@ -4,13 +4,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include <surfleet/fleet/left_reason.hpp>
+#include <surfleet/fleet/look_ledger.hpp>
+#include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/free_space.hpp>
@@ -26,27 +27,6 @@ struct Stop {
 /// What a robot is to do, in order.
 using Stops = std::vector<Stop>;
 
-/// Why an incomplete element is left when a mission ends [000 Def. 2].
-enum class LeftReason : std::uint8_t {
-  no_free_pose,     ///< No collision-free configuration has it in view.
-  unreachable,      ///< Configurations see it, but none can be reached.
-  seen_incomplete,  ///< Looked at as often as allowed, and still incomplete.
-  not_attempted,    ///< The mission was ended before its turn came.
-};
-constexpr std::string_view name_of(LeftReason r) {
-  switch (r) {
-    case LeftReason::no_free_pose:
-      return "no_free_pose";
-    case LeftReason::unreachable:
-      return "unreachable";
-    case LeftReason::seen_incomplete:
-      return "seen_incomplete";
-    case LeftReason::not_attempted:
-      break;
-  }
-  return "not_attempted";
-}
-
 /// A robot as the planner sees it.
 struct RobotRequest {
   Configuration configuration;  ///< Where it is, or will be when it can follow a new route.
@@ -61,11 +41,13 @@ struct PlanRequest {
   const IncompleteSurface& incomplete;      ///< All of them, also those given up.
   const VoxelStateMap& known;               ///< States at W_th: what is complete.
   const VoxelStateMap& observed;  ///< States at a lower weight: what to fly and look through.
+  const LookLedger& ledger;       ///< What was looked at in vain.
   const FreeSpace& free_space;
   LazyPrmStar& roadmap;
   const PinholeCamera& camera;
   const Pose& T_body_camera;
-  Box3 region;  ///< Where surface is to be reconstructed.
+  const HeadingTable& headings;  ///< Of that camera on that mount.
+  Box3 region;                   ///< Where surface is to be reconstructed.
   std::span<const RobotRequest> robots;
   double time = 0.0;        ///< Of the mission [s].
   std::uint64_t round = 0;  ///< Number of this request: a seed that never repeats.

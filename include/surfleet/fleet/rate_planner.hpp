@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <unordered_map>
@@ -36,7 +37,7 @@ struct RatePlannerOptions {
 /// stop of the highest rate. The search goes outward from the robot and ends when no stop farther
 /// away is likely to do better. Plans are made anew at every stop. Where the published method
 /// commits to a tour over what is known, this one is paid for by what the next flight will
-/// discover.
+/// discover. What was looked at in vain once, it leaves to others.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -48,8 +49,7 @@ class RatePlanner {
 
   PlanResult operator()(const PlanRequest& request) {
     const double range = request.camera.max_range;
-    const SightTargets targets(make_targets(request), request.observed, request.camera,
-                               request.T_body_camera,
+    const SightTargets targets(make_targets(request), MapSight(request.observed), request.headings,
                                {.max_distance = options.sight_share * range});
     const FlightLattice<FreeSpace> lattice(request.free_space, request.free_space.options().bounds,
                                            options.spacing_share * range);
@@ -83,17 +83,20 @@ class RatePlanner {
       last_rate_ = std::max(last_rate_, best->rate);
       Stops route;
       Configuration at = best->configuration;
-      route.push_back(make_stop(request, targets, *best, done));
+      route.push_back(make_stop(request, *best, done));
       for (int s = 1; s < options.stops; ++s) {
         const auto next = best_stop(request.free_space, lattice, targets, done, at);
         if (!next || next->rate < 0.5 * best->rate) break;
         at = next->configuration;
-        route.push_back(make_stop(request, targets, *next, done));
+        route.push_back(make_stop(request, *next, done));
       }
       result.routes[waiting[who]] = std::move(route);
       waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(who));
     }
     for (const std::size_t r : waiting) result.routes[r] = Stops{};
+    for (const IncompleteElement& e : request.work)
+      if (!request.ledger.fresh(e.voxel))
+        result.impossible.emplace_back(e.voxel, LeftReason::seen_incomplete);
     return result;
   }
 
@@ -113,6 +116,7 @@ class RatePlanner {
     std::unordered_map<std::uint64_t, std::size_t> groups;
     for (std::size_t i = 0; i < request.work.size(); ++i) {
       const IncompleteElement& e = request.work[i];
+      if (!request.ledger.fresh(e.voxel)) continue;
       int axis = 0;
       e.direction.cwiseAbs().maxCoeff(&axis);
       std::uint64_t key = static_cast<std::uint64_t>(2 * axis + (e.direction[axis] > 0.0 ? 1 : 0));
@@ -135,10 +139,14 @@ class RatePlanner {
     return targets;
   }
 
-  const std::vector<Sighting>& sightings(const SightTargets& targets, std::size_t site,
-                                         const Point3& position) {
+  /// What is in view from a place of the lattice, at first without asking what is in the way.
+  struct View {
+    std::vector<Sighting> seen;
+    bool in_sight = false;
+  };
+  View& view_from(const SightTargets<>& targets, std::size_t site, const Point3& position) {
     const auto [it, fresh] = sites_.try_emplace(site);
-    if (fresh) it->second = targets.seen_from(position);
+    if (fresh) it->second.seen = targets.in_view(position);
     return it->second;
   }
 
@@ -146,7 +154,7 @@ class RatePlanner {
 
   std::optional<Candidate> best_stop(const FreeSpace& space,
                                      const FlightLattice<FreeSpace>& lattice,
-                                     const SightTargets& targets, std::span<const char> done,
+                                     const SightTargets<>& targets, std::span<const char> done,
                                      const Configuration& from) {
     std::optional<Candidate> best;
     if (targets.size() == 0) return best;
@@ -154,19 +162,34 @@ class RatePlanner {
     const Point3 start = space.is_free(from.position)
                              ? from.position
                              : space.nearest_free(from.position, kEscape).value_or(from.position);
+    std::array<double, kHeadings> turn;
+    for (int k = 0; k < kHeadings; ++k)
+      turn[static_cast<std::size_t>(k)] =
+          options.turn_cost * std::abs(wrap_angle(heading_angle(k) - from.yaw));
     lattice.search(start, [&](const auto& site) {
-      if (best && options.jackpot * most_ <= best->rate * (site.distance + options.stop_cost))
-        return false;
-      const std::size_t index = lattice.index(site.cell);
-      const auto worth = worth_by_heading(targets, sightings(targets, index, site.position), done);
-      for (int k = 0; k < kHeadings; ++k) {
-        const double w = worth[static_cast<std::size_t>(k)];
-        if (w <= 0.0) continue;
-        most_ = std::max(most_, w);
-        const double turn = std::abs(wrap_angle(heading_angle(k) - from.yaw));
-        const double rate = w / (site.distance + options.stop_cost + options.turn_cost * turn);
-        if (!best || rate > best->rate)
-          best = Candidate{{site.position, heading_angle(k)}, rate, index, k};
+      const double cost = site.distance + options.stop_cost;
+      if (best && options.jackpot * most_ <= best->rate * cost) return false;
+      View& view = view_from(targets, lattice.index(site.cell), site.position);
+      const auto better = [&](std::size_t k, double worth) {
+        return worth > 0.0 && (!best || worth > best->rate * (cost + turn[k]));
+      };
+      auto worth = worth_by_heading(targets, view.seen, done);
+      if (!view.in_sight) {
+        // Rays are cast only where the view could be the best if nothing were in its way.
+        bool promising = false;
+        for (std::size_t k = 0; k < kHeadings; ++k) promising |= better(k, worth[k]);
+        if (!promising) return true;
+        targets.keep_in_sight(site.position, view.seen);
+        view.in_sight = true;
+        worth = worth_by_heading(targets, view.seen, done);
+      }
+      for (std::size_t k = 0; k < kHeadings; ++k) {
+        most_ = std::max(most_, worth[k]);
+        if (better(k, worth[k]))
+          best = Candidate{{site.position, heading_angle(static_cast<int>(k))},
+                           worth[k] / (cost + turn[k]),
+                           lattice.index(site.cell),
+                           static_cast<int>(k)};
       }
       return true;
     });
@@ -174,10 +197,9 @@ class RatePlanner {
   }
 
   /// Marks what the stop sees and names the incomplete elements among it.
-  Stop make_stop(const PlanRequest& request, const SightTargets& targets, const Candidate& c,
-                 std::vector<char>& done) {
+  Stop make_stop(const PlanRequest& request, const Candidate& c, std::vector<char>& done) {
     Stop stop{c.configuration, {}};
-    for (const Sighting& s : sightings(targets, c.site, c.configuration.position)) {
+    for (const Sighting& s : sites_.at(c.site).seen) {
       const auto id = static_cast<std::size_t>(s.target);
       if ((s.headings >> c.heading & 1U) == 0U || done[id] != 0) continue;
       done[id] = 1;
@@ -189,13 +211,12 @@ class RatePlanner {
   }
 
   static void mark(const std::vector<Sighting>& seen, double yaw, std::vector<char>& done) {
-    const int k =
-        static_cast<int>(std::lround(yaw / (2.0 * kPi) * kHeadings) + kHeadings) % kHeadings;
+    const int k = nearest_heading(yaw);
     for (const Sighting& s : seen)
       if ((s.headings >> k & 1U) != 0U) done[static_cast<std::size_t>(s.target)] = 1;
   }
 
-  std::unordered_map<std::size_t, std::vector<Sighting>> sites_;
+  std::unordered_map<std::size_t, View> sites_;
   std::vector<std::vector<std::int32_t>> members_;  // elements by target
   double most_ = 0.0;                               // the worthiest view met in this call
   double last_rate_ = 0.0;

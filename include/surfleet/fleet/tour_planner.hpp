@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <set>
 #include <span>
@@ -17,6 +18,7 @@
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/viewpoint_clustering.hpp>
+#include <surfleet/viewpoint/viewpoint_cover.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
 
 namespace surfleet {
@@ -29,9 +31,52 @@ struct KeepAllocation {
   }
 };
 
+/// What a selection of viewpoints may look at.
+struct ViewSelection {
+  const ViewpointSet& views;                    ///< One for each element that has one.
+  std::span<const IncompleteElement> elements;  ///< Their targets.
+  const ViewFrustum& frustum;
+  const PlanRequest& request;
+};
+/// Fewer viewpoints with the same targets. Models: `MergeNearby`, `CoverGreedily`.
+template <typename S>
+concept ViewSelector = requires(const S& select, const ViewSelection& selection) {
+  { select(selection) } -> std::same_as<std::vector<Viewpoint>>;
+};
+/// Those at about the same place that look the same way become one [000 §2.4.2].
+struct MergeNearby {
+  MergeOptions merge;  ///< ε and "almost parallel".
+  std::vector<Viewpoint> operator()(const ViewSelection& s) const {
+    const auto is_free = [&](const Configuration& q) {
+      return s.request.free_space.is_free(q.position);
+    };
+    return merge_viewpoints(s.views, merge,
+                            SeesTargets{s.elements, &s.request.observed, s.frustum, is_free});
+  }
+};
+/// As few as see them all, each in fair view and from a side not looked at in vain.
+struct CoverGreedily {
+  double max_incidence = 1.16;  ///< Greatest angle between n̄_v and the line of sight [rad].
+  std::vector<Viewpoint> operator()(const ViewSelection& s) const {
+    const IncompleteSurfaceGain gain(s.elements, s.request.observed, s.frustum);
+    std::vector<std::vector<std::int32_t>> seen = seen_from_all(gain, s.views);
+    const double least = std::cos(max_incidence);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const Point3 eye = s.frustum.at(s.views[i].configuration).eye();
+      std::erase_if(seen[i], [&](std::int32_t id) {
+        const IncompleteElement& e = s.elements[static_cast<std::size_t>(id)];
+        const Eigen::Vector3d to_eye = (eye - e.position).normalized();
+        return (!e.direction.isZero() && e.direction.dot(to_eye) < least) ||
+               !s.request.ledger.promises(e.voxel, to_eye);
+      });
+    }
+    return cover_viewpoints(s.views, std::move(seen));
+  }
+};
+static_assert(ViewSelector<MergeNearby> && ViewSelector<CoverGreedily>);
+
 struct TourPlannerOptions {
   double distance = 4.7;  ///< δ_pose [m].
-  MergeOptions merge;     ///< ε and "almost parallel".
   /// d_ν and d_ν^max; without a bound on its extent one chain of views could go round it all.
   ClusterOptions clusters{.max_extent = 10.0};
   ExponentialUtility utility;  ///< λ_tc and λ_ic.
@@ -40,18 +85,23 @@ struct TourPlannerOptions {
   bool asynchronous = false;
 };
 
-/// Viewpoints at the incomplete surface, merged, clustered, valued by ray casting, allocated to the
-/// robots and put in order by maximum-utility open paths: with the default allocator TSGA, with
+/// Viewpoints at the incomplete surface, made fewer, clustered, valued by ray casting, allocated to
+/// the robots and put in order by maximum-utility open paths: with the default allocator TSGA, with
 /// the rule `NearestNeighbour` NNB. `Improve` is a second step over the whole plan.
-template <typename Allocator = GreedyAllocator<>, typename Improve = KeepAllocation>
+template <typename Allocator = GreedyAllocator<>, typename Improve = KeepAllocation,
+          ViewSelector Select = MergeNearby>
 class TourPlanner {
  public:
   TourPlannerOptions options;
   Allocator allocate;
   Improve improve;
+  Select select;
 
-  explicit TourPlanner(TourPlannerOptions o = {}, Allocator a = {}, Improve i = {})
-      : options(std::move(o)), allocate(std::move(a)), improve(std::move(i)) {}
+  explicit TourPlanner(TourPlannerOptions o = {}, Allocator a = {}, Improve i = {}, Select s = {})
+      : options(std::move(o)),
+        allocate(std::move(a)),
+        improve(std::move(i)),
+        select(std::move(s)) {}
 
   PlanResult operator()(const PlanRequest& request) {
     PlanResult result;
@@ -77,19 +127,17 @@ class TourPlanner {
         return request.roadmap.reachable(s.position, q.position);
       });
     };
+    const auto promises = [&](const IncompleteElement& e, const Eigen::Vector3d& direction) {
+      return request.ledger.promises(e.voxel, direction);
+    };
     const ViewpointSet set =
         generate_viewpoints(elements, request.observed, request.camera,
                             {.distance = options.distance, .T_body_camera = request.T_body_camera},
-                            is_free, is_reachable);
+                            is_free, is_reachable, promises);
     for (const UnseenElement& u : set.unseen)
       result.impossible.emplace_back(elements[static_cast<std::size_t>(u.element)].voxel,
-                                     u.reason == NoViewReason::unreachable
-                                         ? LeftReason::unreachable
-                                         : LeftReason::no_free_pose);
-    const std::vector<Viewpoint> views =
-        merge_viewpoints(set, options.merge,
-                         SeesTargets{std::span<const IncompleteElement>(elements),
-                                     &request.observed, frustum, is_free});
+                                     left_reason(u.reason));
+    const std::vector<Viewpoint> views = select(ViewSelection{set, elements, frustum, request});
     if (views.empty()) return result;
 
     // Clusters and what they are worth.
@@ -109,7 +157,9 @@ class TourPlanner {
       node.gain = std::max(c.gain, 0.5 / static_cast<double>(elements.size()));
       nodes.push_back(std::move(node));
     }
-    const ClusterGraph<Configuration> graph(std::move(nodes), starts, {options.utility});
+    const ClusterGraph<Configuration, ExponentialUtility, EuclideanDistance, LinKernighan> graph(
+        std::move(nodes), starts, {options.utility}, {},
+        {.search = {.max_iterations = kKicksInside}, .quick_bound = true});
     const FleetPlan plan = improve(graph, allocate(graph));
     for (std::size_t k = 0; k < serve.size(); ++k) {
       Stops route;
@@ -127,6 +177,18 @@ class TourPlanner {
   }
 
  private:
+  static constexpr int kKicksInside = 40;  ///< For the order inside a cluster.
+
+  static LeftReason left_reason(NoViewReason reason) {
+    switch (reason) {
+      case NoViewReason::looked_at:
+        return LeftReason::seen_incomplete;
+      case NoViewReason::unreachable:
+        return LeftReason::unreachable;
+      default:
+        return LeftReason::no_free_pose;
+    }
+  }
   /// The work less what robots that keep their route are about to see.
   std::vector<IncompleteElement> unassigned(const PlanRequest& request) const {
     std::vector<IncompleteElement> elements(request.work.begin(), request.work.end());
@@ -152,6 +214,10 @@ using ImprovedTsgaPlanner = TourPlanner<GreedyAllocator<>, ImproveAllocation<>>;
 using MakespanPlanner = TourPlanner<
     GreedyAllocator<TourShortness<LinKernighan>, NearestFirst, PartitionMatroid, MakespanAware>,
     ImproveAllocation<Makespan, TourShortness<LinKernighan>>>;
+/// The same with few, broad views: for what is left when most has been seen.
+using CoverPlanner = TourPlanner<
+    GreedyAllocator<TourShortness<LinKernighan>, NearestFirst, PartitionMatroid, MakespanAware>,
+    ImproveAllocation<Makespan, TourShortness<LinKernighan>>, CoverGreedily>;
 
 /// First one planner, then another for good: fast flights while there is much to see, tours for
 /// what is left. The second takes over once the first one's rate has stayed below a share of its

@@ -20,6 +20,7 @@ struct Viewpoint {
 
 /// Why an incomplete element has no viewpoint.
 enum class NoViewReason : std::uint8_t {
+  looked_at,     ///< It could be seen, but only from where another look was said to be in vain.
   outside_view,  ///< The camera's mount lets it be seen only from beyond the allowed angle.
   occluded,      ///< Something stands in every line of sight.
   no_free_pose,  ///< It could be seen, but the robot does not fit where it would have to be.
@@ -27,6 +28,8 @@ enum class NoViewReason : std::uint8_t {
 };
 inline const char* to_string(NoViewReason r) {
   switch (r) {
+    case NoViewReason::looked_at:
+      return "looked_at";
     case NoViewReason::outside_view:
       return "outside_view";
     case NoViewReason::occluded:

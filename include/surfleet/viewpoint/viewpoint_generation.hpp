@@ -34,9 +34,19 @@ template <typename P>
 concept ConfigurationPredicate = requires(const P& p, const Configuration& q) {
   { p(q) } -> std::convertible_to<bool>;
 };
-/// Any configuration will do.
+/// Any configuration will do, and any line of sight.
 struct AlwaysTrue {
   bool operator()(const Configuration& /*q*/) const { return true; }
+  bool operator()(const IncompleteElement& /*e*/, const Eigen::Vector3d& /*direction*/) const {
+    return true;
+  }
+};
+/// What generation asks about a line of sight: `p(e, direction)` is true if a look at the element
+/// from there, the unit vector from it to the camera, may show something new. Pure.
+template <typename P>
+concept LookPredicate = requires(const P& p, const IncompleteElement& e,
+                                 const Eigen::Vector3d& direction) {
+  { p(e, direction) } -> std::convertible_to<bool>;
 };
 /// Free where every voxel whose centre is within `radius` [m] is known to be empty, and the voxel
 /// that holds the position itself.
@@ -178,13 +188,16 @@ inline std::vector<double> view_distances(const PinholeCamera& camera, const Vie
 /// about a step of the wanted one, over directions by growing angle to n̄_v up to `max_angle`; then
 /// all other distances likewise. An element without direction takes directions as they come. Every
 /// viewpoint returned has its element in the frustum and in sight, `is_free` and `is_reachable`
-/// hold for it, and `targets` is its element. O(elements × tries), one try where nothing is in the
-/// way. Throws `Error` on a distance or a step that is not positive.
-template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue>
+/// hold for it, `promises` holds for its line of sight, and `targets` is its element. O(elements ×
+/// tries), one try where nothing is in the way. Throws `Error` on a distance or a step that is not
+/// positive.
+template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue,
+          LookPredicate Promises = AlwaysTrue>
 ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
                                  const VoxelStateMap& map, const PinholeCamera& camera,
                                  const ViewpointOptions& options, const IsFree& is_free,
-                                 const IsReachable& is_reachable = {}) {
+                                 const IsReachable& is_reachable = {},
+                                 const Promises& promises = {}) {
   require(options.distance > 0.0 && std::isfinite(options.distance),
           "viewpoint distance: expected a positive length");
   require(options.distance_step > 0.01 && options.angle_step > 0.01 && options.max_tries > 0,
@@ -204,10 +217,14 @@ ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
     const IncompleteElement& e = elements[i];
     const bool directed = !e.direction.isZero();
     int tries = 0;
-    bool in_band = false, in_sight = false, free = false;
+    bool in_band = false, in_sight = false, free = false, refused = false;
 
     const auto attempt = [&](const detail::ViewLine& l, std::span<const double> lengths) {
       if (directed && e.direction.dot(l.direction) < min_cosine) return false;
+      if (!promises(e, l.direction)) {
+        refused = true;
+        return false;
+      }
       in_band = true;
       double clear = -1.0;  // how far one sees from the element; not known yet
       for (const double distance : lengths) {
@@ -262,6 +279,7 @@ ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
           return sight.free_length(e.position, line_of(c).direction, min_distance) >= min_distance;
         });
     result.unseen.push_back({static_cast<std::int32_t>(i), free       ? NoViewReason::unreachable
+                                                           : refused  ? NoViewReason::looked_at
                                                            : !in_band ? NoViewReason::outside_view
                                                            : open     ? NoViewReason::no_free_pose
                                                                       : NoViewReason::occluded});

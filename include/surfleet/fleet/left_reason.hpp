@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+/// @file  Why a mission ends with surface that is still incomplete.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace surfleet {
+/// Why an incomplete element is left when a mission ends [000 Def. 2].
+enum class LeftReason : std::uint8_t {
+  no_free_pose,     ///< No collision-free configuration has it in view.
+  unreachable,      ///< Configurations see it, but none can be reached.
+  seen_incomplete,  ///< Looked at as often as allowed, and still incomplete.
+  not_attempted,    ///< The mission was ended before its turn came.
+};
+constexpr std::string_view name_of(LeftReason r) {
+  switch (r) {
+    case LeftReason::no_free_pose:
+      return "no_free_pose";
+    case LeftReason::unreachable:
+      return "unreachable";
+    case LeftReason::seen_incomplete:
+      return "seen_incomplete";
+    case LeftReason::not_attempted:
+      break;
+  }
+  return "not_attempted";
+}
+}  // namespace surfleet
