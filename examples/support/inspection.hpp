@@ -54,7 +54,7 @@ struct InspectionSettings {
   double cluster_radius = 2.0, cluster_max_radius = 5.0;
   double lambda_tc = 0.3, lambda_ic = 0.03;
   double utility_share = 0.8;
-  int max_looks = 3;
+  int max_looks = 1;
 };
 
 /// The seeds' parameter sets [000 Tables 2.1, 3.1].
@@ -93,8 +93,7 @@ class InspectionOptions {
         "powerplant, statue, house, or a mesh file (.ply .obj .stl .off) [m]");
     add(app, "--preset", settings.preset, "powerplant or statue: the published parameters");
     add(app, "--planner", settings.planner,
-        "surfleet, tsga, nnb, tsga-async, tsga-improved, "
-        "makespan, tours or rate");
+        "surfleet, tsga, nnb, nnb-exclusive, tsga-async, tsga-improved, makespan, tours or rate");
     add(app, "--architecture", settings.architecture, "single or centralized");
     add(app, "--robots", settings.robots, "number of drones");
     add(app, "--seed", settings.seed, "of noise and roadmap");
@@ -297,7 +296,9 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
     o.start_clearance = std::min(o.start_clearance, site.structure.distance(q.position));
   o.limits.speed = s.speed;
   o.image_period = 1.0 / s.rate;
-  o.utility_share = s.utility_share;
+  // NNB chooses anew "every time the ISE map is updated" [000 §3.6.1]: here, when a tenth of what
+  // it flies for is complete.
+  o.utility_share = s.planner == "nnb" ? std::min(0.1, s.utility_share) : s.utility_share;
   o.looks.max_looks = s.max_looks;
   o.region = site.scene.region;
   o.bounds = site.scene.bounds;
@@ -314,7 +315,8 @@ inline AnyPlanner planner_for(const InspectionSettings& s) {
   tours.distance = s.standoff;
   tours.clusters = {.radius = s.cluster_radius,
                     .max_radius = s.cluster_max_radius,
-                    .max_extent = 2.0 * s.cluster_max_radius};
+                    // The published planners set no bound on a cluster's extent.
+                    .max_extent = is_published(s.planner) ? 0.0 : 2.0 * s.cluster_max_radius};
   tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
   return make_planner(s.planner, tours, {});
 }

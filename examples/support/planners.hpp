@@ -27,9 +27,15 @@ struct AnyPlanner {
 };
 
 inline const std::vector<std::string>& planner_names() {
-  static const std::vector<std::string> names{"surfleet",      "tsga",     "nnb",  "tsga-async",
-                                              "tsga-improved", "makespan", "rate", "tours"};
+  static const std::vector<std::string> names{"surfleet",      "tsga",       "nnb",
+                                              "nnb-exclusive", "tsga-async", "tsga-improved",
+                                              "makespan",      "rate",       "tours"};
   return names;
+}
+
+/// Whether a planner is meant to be as its authors describe it.
+inline bool is_published(std::string_view name) {
+  return name == "tsga" || name == "tsga-async" || name == "nnb";
 }
 
 /// Throws `Error` for a name not in `planner_names()`.
@@ -38,7 +44,14 @@ inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& 
   TourPlannerOptions asynchronous = tours;
   asynchronous.asynchronous = true;
   if (name == "tsga") return AnyPlanner::of(TsgaPlanner(tours));
-  if (name == "nnb") return AnyPlanner::of(NnbPlanner(asynchronous));
+  if (name == "nnb-exclusive") return AnyPlanner::of(NnbPlanner(asynchronous));
+  if (name == "nnb") {
+    // As printed: every robot chooses for itself, and two may choose the same cluster.
+    asynchronous.exclusive = false;
+    NnbPlanner planner(asynchronous);
+    planner.allocate.rule.exclusive = false;
+    return AnyPlanner::of(std::move(planner));
+  }
   if (name == "tsga-async") return AnyPlanner::of(TsgaPlanner(asynchronous));
   if (name == "tsga-improved") return AnyPlanner::of(ImprovedTsgaPlanner(tours));
   if (name == "makespan") return AnyPlanner::of(MakespanPlanner(tours));

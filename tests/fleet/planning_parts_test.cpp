@@ -54,7 +54,7 @@ TEST(lattice_search_stops_when_told_and_finds_nothing_when_shut_in) {
 }
 
 TEST(ledger_gives_up_after_so_many_looks) {
-  LookLedger ledger({.max_looks = 2});
+  LookLedger ledger({.max_looks = 2, .max_failures = 2});
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::UnitX();
   const VoxelIndex v(1, -2, 3), w(4, 5, 6);
   CHECK(!ledger.given_up(v) && ledger.fresh(v) && ledger.promises(v, up));

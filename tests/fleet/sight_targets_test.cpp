@@ -37,8 +37,8 @@ TEST(agrees_with_brute_force) {
              ? Eigen::Vector3d::Zero()
              : Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized(),
          1.0, 0});
-  const HeadingTable headings(c, forward_camera_mount());
-  const SightTargets sight(targets, MapSight(states), headings, {.max_distance = 5.0});
+  const HeadingTable table(c, forward_camera_mount());
+  const SightTargets sight(targets, MapSight(states), table, {.max_distance = 5.0});
   int borderline = 0, seen_count = 0;
   for (int trial = 0; trial < 20; ++trial) {
     const Point3 p(random.uniform(0.5, 4.5), random.uniform(0.5, 9.5), random.uniform(0.5, 9.5));

@@ -172,8 +172,11 @@ struct BestMarginal {
   }
 };
 struct NearestNeighbour {
-  /// To each robot in turn the one cluster with the largest f from where it is [000 Alg. 4]; a
-  /// cluster another robot has taken is left to it.
+  /// Whether a cluster that one robot has taken is left to it. The printed algorithm lets every
+  /// robot choose by itself, and two may choose the same.
+  bool exclusive = true;
+
+  /// To each robot in turn the one cluster with the largest f from where it is [000 Alg. 4].
   template <ClusterRouting G, RouteSetFunction<G> Value, AllocationConstraint Constraint>
   void operator()(const G& graph, const Value& value, const Constraint& constraint,
                   std::span<const int> order, std::span<const char> is_free,
@@ -192,7 +195,7 @@ struct NearestNeighbour {
       Route route = value.extend(graph, robot, routes[robot], best);
       if (!constraint.admits(robot, route)) continue;
       routes[robot] = std::move(route);
-      taken[best] = 1;
+      taken[best] = exclusive ? 1 : 0;
     }
   }
 };

@@ -15,21 +15,28 @@
 
 namespace surfleet {
 struct LookLedgerOptions {
-  int max_looks = 3;  ///< Looks in vain, or flights that found no way, before one gives up.
+  int max_looks = 1;     ///< Looks in vain before an element is given up.
+  int max_failures = 3;  ///< Flights that found no way before it is.
   /// A look within this angle of one in vain would be in vain too [rad].
   double same_side = radians(40.0);
 };
 
-/// Remembers, for every incomplete element, the looks that should have completed it and did not.
+/// Remembers the looks that should have completed incomplete elements and did not.
+///
+/// What two voxels in each direction hold shares its looks: where surface cannot be completed,
+/// noise moves the elements about by a voxel, and none of them is new.
 class LookLedger {
  public:
   explicit LookLedger(LookLedgerOptions options = {})
       : options_(options), same_side_(std::cos(options.same_side)) {}
 
   /// A look that should have been enough left the element incomplete; `direction` is the unit
-  /// vector from it to the camera.
+  /// vector from it to the camera. Looks from the same place count as one.
   void looked_in_vain(const VoxelIndex& v, const Eigen::Vector3d& direction) {
-    entries_[key(v)].looks.push_back(direction);
+    std::vector<Eigen::Vector3d>& looks = entries_[key(v)].looks;
+    if (std::none_of(looks.begin(), looks.end(),
+                     [&](const Eigen::Vector3d& l) { return l.dot(direction) > kSamePlace; }))
+      looks.push_back(direction);
   }
   /// No path was found to a configuration that sees it.
   void not_reached(const VoxelIndex& v) { ++entries_[key(v)].failures; }
@@ -53,7 +60,7 @@ class LookLedger {
     if (it == entries_.end()) return std::nullopt;
     if (static_cast<int>(it->second.looks.size()) >= options_.max_looks)
       return LeftReason::seen_incomplete;
-    if (it->second.failures >= options_.max_looks) return LeftReason::unreachable;
+    if (it->second.failures >= options_.max_failures) return LeftReason::unreachable;
     return std::nullopt;
   }
 
@@ -62,8 +69,9 @@ class LookLedger {
     std::vector<Eigen::Vector3d> looks;
     int failures = 0;
   };
+  static constexpr double kSamePlace = 0.98;  ///< Cosine of ten degrees.
   using Key = std::array<int, 3>;
-  static Key key(const VoxelIndex& v) { return {v.x(), v.y(), v.z()}; }
+  static Key key(const VoxelIndex& v) { return {v.x() >> 1, v.y() >> 1, v.z() >> 1}; }
   LookLedgerOptions options_;
   double same_side_;
   std::map<Key, Entry> entries_;

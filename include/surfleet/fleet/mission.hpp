@@ -140,7 +140,7 @@ class Mission {
         ledger_(options_.looks) {
     for (const Configuration& start : starts) {
       free_.add_known_free({start.position, options_.start_clearance});
-      agents_.emplace_back(AerialMotion(start, options_.limits));
+      agents_.emplace_back(AerialMotion(start, options_.limits), TrafficPolicy(traffic_options()));
       fleet_.push_back(start);
     }
     free_.update();
@@ -186,17 +186,19 @@ class Mission {
  private:
   enum class Phase : std::uint8_t { scanning, waiting, flying, looking, aside };
   struct Agent {
-    explicit Agent(AerialMotion m) : motion(std::move(m)) {}
+    Agent(AerialMotion m, TrafficPolicy t) : motion(std::move(m)), traffic(std::move(t)) {}
     AerialMotion motion;
     Phase phase = Phase::scanning;
     Stops route;                   ///< What is left to do; the first stop is under way.
     std::size_t initial_work = 0;  ///< Elements the route was made for, for the utility check.
     int quarters = 0;              ///< Of the first look around.
     double idle_until = 0.0;       ///< No new request before [s].
+    double pause = kIdle;          ///< Until the next request if this one gives nothing [s].
     std::size_t images = 0;        ///< Taken at this stop.
     double watch_yaw = 0.0;        ///< Where to look on the way [rad].
     TrafficPolicy traffic;
-    bool held = false;  ///< Stopped for a teammate on a path that will be gone on with.
+    bool held = false;        ///< Stopped for a teammate on a path that will be gone on with.
+    double held_until = 0.0;  ///< If still held then, the route is given up [s].
     Point3 aside = Point3::Zero();
   };
 
@@ -216,6 +218,15 @@ class Mission {
     if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
     if (o.margin <= 0.0) o.margin = o.voxel_size;
     o.tsdf.threads = o.threads;
+    return o;
+  }
+
+  /// Corners are cut, so robots are not quite where their paths say.
+  TrafficOptions traffic_options() const {
+    TrafficOptions o;
+    o.least_gap += options_.limits.corner_tolerance;
+    o.period = options_.image_period;
+    o.braking = options_.limits.braking;
     return o;
   }
 
@@ -335,6 +346,7 @@ class Mission {
       return;
     bool ask = false;
     for (const Agent& a : agents_) ask |= a.route.empty() ? time_ >= a.idle_until : is_spent(a);
+    ask |= at_rest();
     if (ask) request_plan();
     for (std::size_t r = 0; r < agents_.size(); ++r)
       if (agents_[r].phase == Phase::waiting && !agents_[r].route.empty() &&
@@ -388,8 +400,17 @@ class Mission {
       a.route = std::move(route);
       a.initial_work = open_work(a.route);
       if (!same) halt(a);
-      if (a.route.empty()) a.idle_until = time_ + kIdle;
+      if (a.route.empty())
+        rest(a);
+      else
+        a.pause = kIdle;
     }
+  }
+  /// A robot nobody had work for asks less and less often: a plan is one for all, and disturbs
+  /// them.
+  void rest(Agent& a) {
+    a.idle_until = time_ + a.pause;
+    a.pause = std::min(2.0 * a.pause, kLongestIdle);
   }
 
   /// Sets off for the first stop that can be reached; the others are noted and dropped.
@@ -415,13 +436,18 @@ class Mission {
       elements_dirty_ = true;
       a.route.erase(a.route.begin());
     }
-    a.idle_until = time_ + kIdle;
+    rest(a);
   }
 
+  /// Nobody moves, looks or has anything to do.
+  bool at_rest() const {
+    return std::all_of(agents_.begin(), agents_.end(), [](const Agent& a) {
+      return a.phase == Phase::waiting && a.route.empty() && a.motion.standing();
+    });
+  }
   /// Done when nobody has anything to do and the planner, asked on this very map, found nothing.
   bool finished() const {
-    for (const Agent& a : agents_)
-      if (a.phase != Phase::waiting || !a.route.empty() || !a.motion.standing()) return false;
+    if (!at_rest()) return false;
     return planned_revision_ == known_.grid().revision() || time_ > last_work_ + kPatience;
   }
 
@@ -441,10 +467,19 @@ class Mission {
                           fleet_[r].yaw + 0.5 * kPi);
       }
       if (a.phase == Phase::flying && options_.watchful) a.watch_yaw = where_to_look(r);
+      if (!a.held) a.held_until = time_ + kLongestHold;
+      if (a.phase == Phase::flying && time_ > a.held_until) give_up_route(a);
       fleet_[r] = a.motion.advance(options_.image_period);
       if (a.phase == Phase::flying && a.motion.finished()) a.phase = Phase::looking;
       traffic[r] = announce(r);
     }
+  }
+  /// Where robots block each other for good, one does something else.
+  void give_up_route(Agent& a) {
+    for (const VoxelIndex& v : a.route.front().targets) ledger_.not_reached(v);
+    elements_dirty_ = true;
+    a.route.clear();
+    halt(a);
   }
   /// What a robot tells the others of its motion.
   TrafficAgent announce(std::size_t r) const {
@@ -452,11 +487,14 @@ class Mission {
     TrafficAgent t;
     t.id = static_cast<int>(r);
     t.position = fleet_[r].position;
-    if (a.phase == Phase::flying || a.phase == Phase::aside) t.path = a.motion.remaining();
+    // One that brakes still moves, whatever it is about.
+    if (a.phase == Phase::flying || a.phase == Phase::aside || !a.motion.standing())
+      t.path = a.motion.remaining();
     t.radius = options_.body_radius;
     t.speed = options_.limits.speed;
     t.idle = a.route.empty();
     t.cornered = a.traffic.cornered(time_);
+    t.held = a.held && a.motion.standing();
     return t;
   }
   /// TrafficPolicy [000 Alg. 3]: stop and wait, or step aside, or go on.
@@ -482,8 +520,11 @@ class Mission {
       case Maneuver::Kind::step_aside:
         if (a.phase == Phase::aside && !a.motion.finished() &&
             (m.target - a.aside).norm() < options_.body_radius) {
-          if (a.held) a.motion.resume();
-          a.held = false;
+          // The place is still good; the way there must be, too.
+          const bool hold = a.traffic.too_close(traffic[r], traffic) >= 0;
+          if (hold && !a.held) a.motion.stop();
+          if (!hold && a.held) a.motion.resume();
+          a.held = hold;
         } else if (!a.motion.standing()) {
           a.motion.stop();
           a.held = moving;
@@ -546,9 +587,11 @@ class Mission {
     });
   }
 
-  static constexpr double kFairLook = 0.4;   ///< Least cosine between n̄_v and the line of sight.
-  static constexpr double kIdle = 2.0;       ///< Between requests of a robot without work [s].
-  static constexpr double kPatience = 10.0;  ///< Without work before the mission ends [s].
+  static constexpr double kFairLook = 0.4;  ///< Least cosine between n̄_v and the line of sight.
+  static constexpr double kIdle = 2.0;      ///< Between requests of a robot without work [s] …
+  static constexpr double kLongestIdle = 30.0;  ///< … when nothing was found time after time.
+  static constexpr double kLongestHold = 60.0;  ///< For teammates before a route is given up [s].
+  static constexpr double kPatience = 10.0;     ///< Without work before the mission ends [s].
 
   MissionOptions options_;
   World* world_;

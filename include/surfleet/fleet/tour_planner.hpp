@@ -83,6 +83,8 @@ struct TourPlannerOptions {
   /// Whether robots that are on their way keep their route, and only those without get a new one
   /// from the work nobody has; else every call plans for all.
   bool asynchronous = false;
+  /// Whether work that a robot is on its way to is left to it, where plans are asynchronous.
+  bool exclusive = true;
 };
 
 /// Viewpoints at the incomplete surface, made fewer, clustered, valued by ray casting, allocated to
@@ -192,7 +194,7 @@ class TourPlanner {
   /// The work less what robots that keep their route are about to see.
   std::vector<IncompleteElement> unassigned(const PlanRequest& request) const {
     std::vector<IncompleteElement> elements(request.work.begin(), request.work.end());
-    if (!options.asynchronous) return elements;
+    if (!options.asynchronous || !options.exclusive) return elements;
     std::set<std::array<int, 3>> taken;
     for (const RobotRequest& robot : request.robots)
       if (!robot.idle)
@@ -220,15 +222,15 @@ using CoverPlanner = TourPlanner<
     ImproveAllocation<Makespan, TourShortness<LinKernighan>>, CoverGreedily>;
 
 /// First one planner, then another for good: fast flights while there is much to see, tours for
-/// what is left. The second takes over once the first one's rate has stayed below a share of its
-/// mean for `patience` requests a robot in a row.
+/// what is left. The second takes over once the first one's rate, averaged over its last few
+/// requests, has sunk below a share of its mean over the mission, or when it finds nothing.
 template <typename First, FleetPlanner Then>
 class RateThenTours {
  public:
   First first;
   Then then;
-  double share = 0.06;  ///< Of the mean rate.
-  int patience = 3;     ///< Poor requests a robot, one after the other.
+  double share = 0.15;  ///< Of the mean rate.
+  int memory = 4;       ///< Requests a robot that the recent rate is averaged over.
 
   explicit RateThenTours(First f = First{}, Then t = Then{})
       : first(std::move(f)), then(std::move(t)) {}
@@ -237,27 +239,22 @@ class RateThenTours {
     if (switched_) return then(request);
     PlanResult result = first(request);
     const double rate = first.last_rate();
-    if (rate > share * mean_rate()) {
-      sum_ += rate;
-      ++count_;
-      poor_ = 0;
-      return result;
-    }
+    sum_ += rate;
+    ++count_;
+    const double window = static_cast<double>(memory) * static_cast<double>(request.robots.size());
+    const double keep = 1.0 - 1.0 / std::min(window, static_cast<double>(count_));
+    recent_ = keep * recent_ + (1.0 - keep) * rate;
     const bool all_idle = std::all_of(request.robots.begin(), request.robots.end(),
                                       [](const RobotRequest& r) { return r.idle; });
-    poor_ += all_idle ? static_cast<int>(request.robots.size()) : 1;
-    if (poor_ < patience * static_cast<int>(request.robots.size()) && rate > 0.0) return result;
-    switched_ = all_idle || poor_ >= patience * static_cast<int>(request.robots.size());
+    switched_ = recent_ < share * sum_ / static_cast<double>(count_) || (all_idle && rate <= 0.0);
     return switched_ ? then(request) : result;
   }
   /// Whether the second planner has taken over.
   bool switched() const { return switched_; }
 
  private:
-  double mean_rate() const { return count_ > 0 ? sum_ / static_cast<double>(count_) : 0.0; }
-  double sum_ = 0.0;
+  double sum_ = 0.0, recent_ = 0.0;
   std::size_t count_ = 0;
-  int poor_ = 0;
   bool switched_ = false;
 };
 }  // namespace surfleet
