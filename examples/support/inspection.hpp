@@ -44,7 +44,7 @@ struct InspectionSettings {
   double standoff = 4.7;
   double speed = 0.6;
   double radius = 1.0;
-  double margin = 0.3;
+  double margin = 0.35;
   std::vector<double> start, bounds;
   std::optional<double> ground;
   bool noise = true;
@@ -61,7 +61,7 @@ struct InspectionSettings {
 inline void apply_preset(InspectionSettings& s, std::string_view name) {
   if (name == "powerplant") {
     s.voxel = 0.3;
-    s.margin = 0.3;
+    s.margin = 0.35;
     s.range = {1.6, 8.0};
     s.standoff = 4.7;
     s.cluster_radius = 2.0;
