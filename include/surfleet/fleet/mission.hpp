@@ -299,8 +299,9 @@ class Mission {
             std::min(options_.max_dwell / options_.image_period, static_cast<double>(needed));
         if (done || static_cast<double>(a.images) >= limit) leave_stop(r);
       }
-      if (a.phase != Phase::flying) continue;
-      if (!a.route.front().targets.empty() && !any_open(a.route.front())) {
+      if (a.phase != Phase::flying && a.phase != Phase::aside) continue;
+      if (a.phase == Phase::flying && !a.route.front().targets.empty() &&
+          !any_open(a.route.front())) {
         halt(a);
       } else if (obstacle_ahead_(free_, a.motion.remaining(), a.motion.stopping_distance())) {
         ++result_.emergency_stops;
