@@ -209,6 +209,13 @@ TEST(nnb_gives_every_robot_its_best_cluster) {
   }
   CHECK(plan.unassigned.size() == 6);
   CHECK(NearestNeighbourAllocator{}(clusters, starts).routes == plan.routes);
+
+  NearestNeighbourAllocator as_printed;  // every robot for itself
+  as_printed.rule.exclusive = false;
+  const FleetPlan own = as_printed(graph);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 9; ++c)
+      CHECK(graph.hop(r, -1, c).utility <= graph.hop(r, -1, own.routes[r].at(0)).utility);
 }
 
 TEST(makespan_aware_evens_out_and_improvement_never_hurts) {

@@ -260,4 +260,26 @@ TEST(merged_views_still_see_their_targets) {
   }
   CHECK(targets == set.size());
 }
+TEST(views_come_from_sides_that_promise_something) {
+  const TsdfMap map = wall_scene(10, 24);
+  const VoxelStateMap states(map);
+  const auto elements = elements_of(map);
+  ViewpointOptions options{.distance = 4.0};
+  options.known_eye = false;
+  // A look along n̄_v was in vain for all of them.
+  const auto promises = [](const IncompleteElement& e, const Eigen::Vector3d& direction) {
+    return e.direction.dot(direction) < std::cos(radians(30));
+  };
+  const ViewpointSet set = generate_viewpoints(std::span(elements), states, kCamera, options,
+                                               AlwaysTrue{}, AlwaysTrue{}, promises);
+  check_promises(set, elements, states, options, AlwaysTrue{});
+  CHECK(!set.empty());
+  for (const Viewpoint& v : set)
+    CHECK(promises(elements[static_cast<std::size_t>(v.targets[0])], v.direction));
+  const auto none = [](const IncompleteElement&, const Eigen::Vector3d&) { return false; };
+  const ViewpointSet refused = generate_viewpoints(std::span(elements), states, kCamera, options,
+                                                   AlwaysTrue{}, AlwaysTrue{}, none);
+  CHECK(refused.empty() && refused.unseen.size() == elements.size());
+  for (const UnseenElement& u : refused.unseen) CHECK(u.reason == NoViewReason::looked_at);
+}
 }  // namespace
