@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// @file  Settings of a drone inspection, how it is run and how it is judged: shared by
-///        `drone_inspection`, its trials and the clairvoyant benchmark.
+/// @file  How a drone inspection is run and judged: shared by `drone_inspection`, its trials and
+/// the
+///        clairvoyant benchmark.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "support/cli.hpp"
+#include "support/inspection_settings.hpp"
 #include "support/planners.hpp"
 
 #include <surfleet/adapters/embree_ray_caster.hpp>
@@ -28,179 +29,6 @@
 #include <surfleet/simulation/scenes.hpp>
 
 namespace surfleet::examples {
-/// What the command line says. Angles in degrees, as people give them.
-struct InspectionSettings {
-  std::string scene = "powerplant";
-  std::string preset;  ///< Empty: the one that fits the scene's name, else powerplant.
-  std::string planner = "surfleet";
-  std::string architecture;  ///< Empty: single for one robot, else centralized.
-  int robots = 3;
-  std::uint64_t seed = 1;
-  double voxel = 0.3;
-  std::vector<double> range{1.6, 8.0};
-  std::vector<double> fov{90.0, 60.0};
-  int image_width = 160;
-  double rate = 4.0;
-  double standoff = 4.7;
-  double speed = 0.6;
-  double radius = 1.0;
-  double margin = 0.35;
-  std::vector<double> start, bounds;
-  std::optional<double> ground;
-  bool noise = true;
-  int threads = 2;
-  double max_time = 7200.0;
-  double known_weight = 0.3;
-  double cluster_radius = 2.0, cluster_max_radius = 5.0;
-  double lambda_tc = 0.3, lambda_ic = 0.03;
-  double utility_share = 0.8;
-  int max_looks = 1;
-};
-
-/// The seeds' parameter sets [000 Tables 2.1, 3.1].
-inline void apply_preset(InspectionSettings& s, std::string_view name) {
-  if (name == "powerplant") {
-    s.voxel = 0.3;
-    s.margin = 0.35;
-    s.range = {1.6, 8.0};
-    s.standoff = 4.7;
-    s.cluster_radius = 2.0;
-    s.lambda_tc = 0.3;
-    s.lambda_ic = 0.03;
-    s.utility_share = 0.8;
-  } else if (name == "statue") {
-    s.voxel = 0.15;
-    s.margin = 0.4;  // its crown has spikes that such voxels know only in part
-    s.range = {1.0, 5.0};
-    s.standoff = 3.6;
-    s.cluster_radius = 2.5;
-    s.lambda_tc = 0.17;
-    s.lambda_ic = 0.15;
-    s.utility_share = 0.5;
-  } else {
-    throw Error("preset " + std::string(name) + ": not known; expected powerplant or statue");
-  }
-}
-
-/// Declares the options that inspections share. The preset is applied before what is given by name
-/// overrides it: call `settle` after parsing.
-class InspectionOptions {
- public:
-  InspectionSettings settings;
-
-  explicit InspectionOptions(CLI::App& app) {
-    add(app, "--scene", settings.scene,
-        "powerplant, statue, house, or a mesh file (.ply .obj .stl .off) [m]");
-    add(app, "--preset", settings.preset, "powerplant or statue: the published parameters");
-    add(app, "--planner", settings.planner,
-        "surfleet, tsga, nnb, nnb-exclusive, tsga-async, tsga-improved, makespan, tours or rate");
-    add(app, "--architecture", settings.architecture, "single or centralized");
-    add(app, "--robots", settings.robots, "number of drones");
-    add(app, "--seed", settings.seed, "of noise and roadmap");
-    add(app, "--voxel", settings.voxel, "edge of a voxel [m]");
-    add(app, "--range", settings.range, "nearest and farthest depth [m]")->expected(2);
-    add(app, "--fov", settings.fov, "horizontal and vertical field of view [deg]")->expected(2);
-    add(app, "--image-width", settings.image_width, "columns of the depth image [px]");
-    add(app, "--rate", settings.rate, "images a second");
-    add(app, "--standoff", settings.standoff, "delta_pose, distance of a view [m]");
-    add(app, "--speed", settings.speed, "nominal speed [m/s]");
-    add(app, "--radius", settings.radius, "of a drone's body [m]");
-    add(app, "--margin", settings.margin, "kept beyond the body [m]");
-    add(app, "--start", settings.start, "place of the first drone [m]")->expected(3);
-    add(app, "--bounds", settings.bounds, "flight space x0 y0 z0 x1 y1 z1 [m]")->expected(6);
-    ground_ = app.add_option("--ground", ground_z_, "height of a ground plane under the mesh [m]");
-    app.add_option("--noise", noise_, "stereo noise, on or off")->capture_default_str();
-    add(app, "--threads", settings.threads, "threads; the result is the same for any number");
-    add(app, "--max-time", settings.max_time, "the mission ends at this time [s]");
-    add(app, "--known-weight", settings.known_weight, "W_th: weight of a known voxel");
-    add(app, "--cluster-radius", settings.cluster_radius, "d_nu [m]");
-    add(app, "--lambda-tc", settings.lambda_tc, "penalty of travel between clusters [1/m]");
-    add(app, "--lambda-ic", settings.lambda_ic, "penalty of travel inside clusters [1/m]");
-    add(app, "--utility-share", settings.utility_share,
-        "c_thres: share of a route's work whose completion asks for a new plan");
-    add(app, "--max-looks", settings.max_looks, "looks in vain before an element is given up");
-  }
-
-  /// Call once, after parsing: applies the preset under what was given, and checks everything that
-  /// can be checked without the scene. Throws `Error`.
-  InspectionSettings settle() {
-    const InspectionSettings given = settings;
-    InspectionSettings s = given;
-    const std::string preset = !given.preset.empty()     ? given.preset
-                               : given.scene == "statue" ? "statue"
-                                                         : "powerplant";
-    apply_preset(s, preset);
-    s.preset = preset;
-    const auto keep = [&](std::string_view option, auto member) {
-      if (was_given(option)) s.*member = given.*member;
-    };
-    keep("--voxel", &InspectionSettings::voxel);
-    keep("--margin", &InspectionSettings::margin);
-    keep("--range", &InspectionSettings::range);
-    keep("--standoff", &InspectionSettings::standoff);
-    keep("--cluster-radius", &InspectionSettings::cluster_radius);
-    keep("--lambda-tc", &InspectionSettings::lambda_tc);
-    keep("--lambda-ic", &InspectionSettings::lambda_ic);
-    keep("--utility-share", &InspectionSettings::utility_share);
-    if (ground_->count() > 0) s.ground = ground_z_;
-    require(noise_ == "on" || noise_ == "off", "--noise " + noise_ + ": expected on or off");
-    s.noise = noise_ == "on";
-    check(s);
-    return s;
-  }
-
- private:
-  template <typename T>
-  CLI::Option* add(CLI::App& app, const std::string& name, T& value, const std::string& help) {
-    CLI::Option* option = app.add_option(name, value, help)->capture_default_str();
-    options_.emplace_back(name, option);
-    return option;
-  }
-  bool was_given(std::string_view name) const {
-    for (const auto& [n, option] : options_)
-      if (n == name) return option->count() > 0;
-    return false;
-  }
-  static void check(const InspectionSettings& s) {
-    const auto positive = [](double v, const char* name) {
-      require(v > 0.0 && std::isfinite(v), std::string(name) + ": expected a positive number");
-    };
-    require(s.robots >= 1 && s.robots <= 64,
-            "--robots " + std::to_string(s.robots) + ": expected 1 to 64");
-    require(s.threads >= 1 && s.threads <= 256, "--threads: expected 1 to 256");
-    require(s.voxel >= 0.01 && s.voxel <= 10.0,
-            "--voxel " + std::to_string(s.voxel) + ": expected 0.01 to 10 m");
-    require(s.range[0] >= 0.0 && s.range[1] > s.range[0] && s.range[1] <= 1000.0,
-            "--range: expected 0 <= nearest < farthest <= 1000 m");
-    for (const double angle : s.fov)
-      require(angle > 0.0 && angle <= 170.0,
-              "--fov " + std::to_string(angle) + ": expected angles in (0, 170] degrees");
-    require(s.image_width >= 16 && s.image_width <= 4096, "--image-width: expected 16 to 4096");
-    require(s.rate >= 0.2 && s.rate <= 100.0, "--rate: expected 0.2 to 100 images a second");
-    positive(s.standoff, "--standoff");
-    positive(s.speed, "--speed");
-    positive(s.radius, "--radius");
-    positive(s.margin, "--margin");
-    positive(s.max_time, "--max-time");
-    positive(s.known_weight, "--known-weight");
-    positive(s.cluster_radius, "--cluster-radius");
-    require(s.lambda_tc >= 0.0 && s.lambda_ic >= 0.0,
-            "--lambda-tc, --lambda-ic: expected 0 or more");
-    require(s.max_looks >= 1 && s.max_looks <= 100, "--max-looks: expected 1 to 100");
-    require(s.utility_share > 0.0 && s.utility_share <= 1.0, "--utility-share: expected (0, 1]");
-    require(s.architecture.empty() || s.architecture == "single" || s.architecture == "centralized",
-            "--architecture " + s.architecture + ": expected single or centralized");
-    require(s.architecture != "single" || s.robots == 1,
-            "--architecture single: expected --robots 1");
-    make_planner(s.planner, {}, {});
-  }
-
-  std::vector<std::pair<std::string, CLI::Option*>> options_;
-  CLI::Option* ground_ = nullptr;
-  double ground_z_ = 0.0;
-  std::string noise_ = "on";
-};
-
 /// Opens a bundled scene or a mesh file. Throws `Error`.
 inline Scene open_scene(const InspectionSettings& s) {
   const bool bundled = s.scene == "powerplant" || s.scene == "statue" || s.scene == "house";

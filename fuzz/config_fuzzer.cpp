@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+/// @file  Any bytes as a configuration file are settings within their bounds, or are refused.
+#include <cstdint>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+
+#include "support/inspection_settings.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace surfleet;
+  CLI::App app;
+  examples::InspectionOptions options(app);
+  std::istringstream file(std::string(reinterpret_cast<const char*>(data), size));
+  try {
+    app.parse_from_stream(file);
+    const examples::InspectionSettings s = options.settle();
+    if (s.robots < 1 || s.robots > 64 || !(s.voxel >= 0.01) || !(s.range[1] > s.range[0]))
+      std::abort();
+  } catch (const CLI::Error&) {
+  } catch (const Error&) {
+  }
+  return 0;
+}
