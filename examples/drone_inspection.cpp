@@ -44,15 +44,12 @@ int run(int argc, char** argv) {
   const InspectionSettings& s = a.settings;
   InspectionSite site(open_scene(s), s);
   // Whatever can be refused is refused before the first file is made.
-  starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.margin});
+  const std::vector<Configuration> starts = site.starts(s, s.robots);
   const auto out = cli::prepare_output_folder(a.out);
   cli::watch_interrupts();
   cli::ProgressLine line(!a.quiet);
   line("finding what could be seen of " + site.scene.name);
-  site.find_reference(
-      s, starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.margin})
-             .front()
-             .position);
+  site.find_reference(s, starts.front().position);
 
   CoverageProbe probe(site, half_voxel_diagonal(s.voxel));
   CoverageCurve curve;

@@ -47,8 +47,7 @@ int run(int argc, char** argv) {
   for (const std::string& p : planners) check_planner_name(p);
   InspectionSite site(open_scene(base), base);
   const int most = *std::max_element(fleets.begin(), fleets.end());
-  const auto starts =
-      starting_places(site.scene, site.space, most, {.radius = base.radius, .margin = base.margin});
+  const auto starts = site.starts(base, most);
   const auto folder = cli::prepare_output_folder(out);
   cli::watch_interrupts();
   cli::ProgressLine line;

@@ -34,8 +34,7 @@ int run(int argc, char** argv) {
   InspectionSettings s = options.settle();
   s.robots = 1;
   InspectionSite site(open_scene(s), s);
-  const Configuration start =
-      starting_places(site.scene, site.space, 1, {.radius = s.radius, .margin = s.margin}).front();
+  const Configuration start = site.starts(s, 1).front();
 
   // The same free space and roadmap as a mission's, on the map a perfect survey would give.
   const TsdfMap map = map_from_mesh(site.space.surface(), site.scene.bounds, s.voxel);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// @file  How a drone inspection is run and judged: shared by `drone_inspection`, its trials and
-/// the
+/// @file  How a drone inspection is run and judged, for `drone_inspection`, its trials and the
 ///        clairvoyant benchmark.
 #pragma once
 
@@ -85,6 +84,12 @@ struct InspectionSite {
                                 settings.image_width, height, settings.range[0], settings.range[1]);
   }
 
+  /// Where so many drones start. Throws `Error` if there is no room for them.
+  std::vector<Configuration> starts(const InspectionSettings& settings, int robots) const {
+    return starting_places(scene, space, robots,
+                           {.radius = settings.radius, .margin = settings.margin});
+  }
+
   /// Finds what could have been seen from `start`: slow, and needed for the judgement alone.
   void find_reference(const InspectionSettings& settings, const Point3& start) {
     const SurfaceSamples all =
@@ -164,8 +169,7 @@ struct InspectionRun {
 template <typename Progress>
 InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
                              const Progress& progress) {
-  const std::vector<Configuration> starts =
-      starting_places(site.scene, site.space, s.robots, {.radius = s.radius, .margin = s.margin});
+  const std::vector<Configuration> starts = site.starts(s, s.robots);
   DroneWorld<EmbreeRayCaster> world(
       site.caster, site.camera, forward_camera_mount(),
       {.noise = s.noise, .body_radius = 0.5 * s.radius, .seed = s.seed});

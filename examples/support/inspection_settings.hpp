@@ -16,59 +16,54 @@
 #include <surfleet/core/error.hpp>
 
 namespace surfleet::examples {
+/// What the seeds set for each scene [000 Tables 2.1, 3.1], and the margin that goes with it; as it
+/// stands, for the power plant.
+struct ScenePreset {
+  double voxel = 0.3;
+  double margin = 0.35;
+  std::vector<double> range{1.6, 8.0};
+  double standoff = 4.7;
+  double cluster_radius = 2.0;
+  double lambda_tc = 0.3, lambda_ic = 0.03;
+  double utility_share = 0.8;
+};
+/// Throws `Error` for a name that is neither powerplant nor statue.
+inline ScenePreset preset_by_name(std::string_view name) {
+  if (name == "powerplant") return {};
+  if (name == "statue")
+    return {.voxel = 0.15,
+            .margin = 0.4,  // its crown has spikes that such voxels know only in part
+            .range = {1.0, 5.0},
+            .standoff = 3.6,
+            .cluster_radius = 2.5,
+            .lambda_tc = 0.17,
+            .lambda_ic = 0.15,
+            .utility_share = 0.5};
+  throw Error("preset " + std::string(name) + ": not known; expected powerplant or statue");
+}
+
 /// What the command line says. Angles in degrees, as people give them.
-struct InspectionSettings {
+struct InspectionSettings : ScenePreset {
   std::string scene = "powerplant";
   std::string preset;  ///< Empty: the one that fits the scene's name, else powerplant.
   std::string planner = "surfleet";
   std::string architecture;  ///< Empty: single for one robot, else centralized.
   int robots = 3;
   std::uint64_t seed = 1;
-  double voxel = 0.3;
-  std::vector<double> range{1.6, 8.0};
   std::vector<double> fov{90.0, 60.0};
   int image_width = 160;
   double rate = 4.0;
-  double standoff = 4.7;
   double speed = 0.6;
   double radius = 1.0;
-  double margin = 0.35;
   std::vector<double> start, bounds;
   std::optional<double> ground;
   bool noise = true;
   int threads = 2;
   double max_time = 7200.0;
   double known_weight = 0.3;
-  double cluster_radius = 2.0, cluster_max_radius = 5.0;
-  double lambda_tc = 0.3, lambda_ic = 0.03;
-  double utility_share = 0.8;
+  double cluster_max_radius = 5.0;
   int max_looks = 1;
 };
-
-/// The seeds' parameter sets [000 Tables 2.1, 3.1].
-inline void apply_preset(InspectionSettings& s, std::string_view name) {
-  if (name == "powerplant") {
-    s.voxel = 0.3;
-    s.margin = 0.35;
-    s.range = {1.6, 8.0};
-    s.standoff = 4.7;
-    s.cluster_radius = 2.0;
-    s.lambda_tc = 0.3;
-    s.lambda_ic = 0.03;
-    s.utility_share = 0.8;
-  } else if (name == "statue") {
-    s.voxel = 0.15;
-    s.margin = 0.4;  // its crown has spikes that such voxels know only in part
-    s.range = {1.0, 5.0};
-    s.standoff = 3.6;
-    s.cluster_radius = 2.5;
-    s.lambda_tc = 0.17;
-    s.lambda_ic = 0.15;
-    s.utility_share = 0.5;
-  } else {
-    throw Error("preset " + std::string(name) + ": not known; expected powerplant or statue");
-  }
-}
 
 /// Declares the options that inspections share. The preset is applied before what is given by name
 /// overrides it: call `settle` after parsing.
@@ -80,8 +75,7 @@ class InspectionOptions {
     add(app, "--scene", settings.scene,
         "powerplant, statue, house, or a mesh file (.ply .obj .stl .off) [m]");
     add(app, "--preset", settings.preset, "powerplant or statue: the published parameters");
-    add(app, "--planner", settings.planner,
-        "surfleet, tsga, nnb, nnb-exclusive, tsga-async, tsga-improved, makespan, tours or rate");
+    add(app, "--planner", settings.planner, "one of " + planner_list());
     add(app, "--architecture", settings.architecture, "single or centralized");
     add(app, "--robots", settings.robots, "number of drones");
     add(app, "--seed", settings.seed, "of noise and roadmap");
@@ -114,11 +108,10 @@ class InspectionOptions {
   InspectionSettings settle() {
     const InspectionSettings given = settings;
     InspectionSettings s = given;
-    const std::string preset = !given.preset.empty()     ? given.preset
-                               : given.scene == "statue" ? "statue"
-                                                         : "powerplant";
-    apply_preset(s, preset);
-    s.preset = preset;
+    s.preset = !given.preset.empty()     ? given.preset
+               : given.scene == "statue" ? "statue"
+                                         : "powerplant";
+    static_cast<ScenePreset&>(s) = preset_by_name(s.preset);
     const auto keep = [&](std::string_view option, auto member) {
       if (was_given(option)) s.*member = given.*member;
     };

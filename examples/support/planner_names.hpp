@@ -22,12 +22,16 @@ inline bool is_published(std::string_view name) {
   return name == "tsga" || name == "tsga-async" || name == "nnb";
 }
 
+/// All of them, with commas between.
+inline std::string planner_list() {
+  std::string list;
+  for (const std::string& n : planner_names()) list += (list.empty() ? "" : ", ") + n;
+  return list;
+}
 /// Throws `Error` for a name not in `planner_names()`.
 inline void check_planner_name(std::string_view name) {
   const auto& names = planner_names();
-  if (std::find(names.begin(), names.end(), name) != names.end()) return;
-  std::string known;
-  for (const std::string& n : names) known += (known.empty() ? "" : ", ") + n;
-  throw Error("planner " + std::string(name) + ": not known; expected one of " + known);
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw Error("planner " + std::string(name) + ": not known; expected one of " + planner_list());
 }
 }  // namespace surfleet::examples

@@ -44,6 +44,7 @@ TEST(agrees_with_brute_force) {
     const Point3 p(random.uniform(0.5, 4.5), random.uniform(0.5, 9.5), random.uniform(0.5, 9.5));
     std::vector<std::uint16_t> headings(targets.size(), 0);
     for (const Sighting& s : sight.seen_from(p)) {
+      CHECK(headings[static_cast<std::size_t>(s.target)] == 0 && s.headings != 0);  // named once
       headings[static_cast<std::size_t>(s.target)] = s.headings;
     }
     for (std::size_t i = 0; i < targets.size(); ++i) {

@@ -265,10 +265,12 @@ class Mission {
   }
 
   // -- stops -------------------------------------------------------------------------------------
-  bool any_open(const Stop& stop) const {
-    return std::any_of(stop.targets.begin(), stop.targets.end(), [&](const VoxelIndex& v) {
-      return incomplete_.contains(v) && !ledger_.given_up(v);
-    });
+  /// Nothing is left that the stop was for; one that is for nothing stays to be flown to.
+  bool is_pointless(const Stop& stop) const {
+    return !stop.targets.empty() &&
+           std::none_of(stop.targets.begin(), stop.targets.end(), [&](const VoxelIndex& v) {
+             return incomplete_.contains(v) && !ledger_.given_up(v);
+           });
   }
   std::size_t open_work(const Stops& route) const {
     std::size_t n = 0;
@@ -300,8 +302,7 @@ class Mission {
         if (done || static_cast<double>(a.images) >= limit) leave_stop(r);
       }
       if (a.phase != Phase::flying && a.phase != Phase::aside) continue;
-      if (a.phase == Phase::flying && !a.route.front().targets.empty() &&
-          !any_open(a.route.front())) {
+      if (a.phase == Phase::flying && is_pointless(a.route.front())) {
         halt(a);
       } else if (obstacle_ahead_(free_, a.motion.remaining(), a.motion.stopping_distance())) {
         ++result_.emergency_stops;
@@ -327,9 +328,8 @@ class Mission {
     for (const IncompleteElement& e : work()) {
       if (a.images < looks_needed(fleet_[r], e.voxel)) continue;
       const Eigen::Vector3d to_eye = (eye - e.position).normalized();
-      const bool fair = view.contains(e.position) &&
-                        (e.direction.isZero() || e.direction.dot(to_eye) > kFairLook) &&
-                        line.sees(eye, e.voxel);
+      const bool fair =
+          view.contains(e.position) && e.faces(to_eye, kFairLook) && line.sees(eye, e.voxel);
       if (fair ||
           std::find(stop.targets.begin(), stop.targets.end(), e.voxel) != stop.targets.end())
         ledger_.looked_in_vain(e.voxel, to_eye);
@@ -419,7 +419,7 @@ class Mission {
     Agent& a = agents_[r];
     while (!a.route.empty()) {
       const Stop& stop = a.route.front();
-      if (!stop.targets.empty() && !any_open(stop)) {  // completed from elsewhere: passed over
+      if (is_pointless(stop)) {
         a.route.erase(a.route.begin());
         continue;
       }
@@ -447,10 +447,7 @@ class Mission {
     });
   }
   /// Done when nobody has anything to do and the planner, asked on this very map, found nothing.
-  bool finished() const {
-    if (!at_rest()) return false;
-    return planned_revision_ == known_.grid().revision() || time_ > last_work_ + kPatience;
-  }
+  bool finished() const { return at_rest() && planned_revision_ == known_.grid().revision(); }
 
   // -- motion ------------------------------------------------------------------------------------
   void move() {
@@ -459,7 +456,6 @@ class Mission {
     for (std::size_t r = 0; r < agents_.size(); ++r) {
       Agent& a = agents_[r];
       if (agents_.size() > 1 && a.phase != Phase::scanning) give_way(r, traffic);
-      if (!a.route.empty()) last_work_ = time_;
       if (a.phase == Phase::scanning && (a.quarters == 0 || a.motion.finished())) {
         if (++a.quarters > 4)
           a.phase = Phase::waiting;
@@ -592,7 +588,6 @@ class Mission {
   static constexpr double kIdle = 2.0;      ///< Between requests of a robot without work [s] …
   static constexpr double kLongestIdle = 30.0;  ///< … when nothing was found time after time.
   static constexpr double kLongestHold = 60.0;  ///< For teammates before a route is given up [s].
-  static constexpr double kPatience = 10.0;     ///< Without work before the mission ends [s].
 
   MissionOptions options_;
   World* world_;
@@ -612,7 +607,7 @@ class Mission {
   bool elements_dirty_ = true;
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;
   std::uint64_t planned_revision_ = ~std::uint64_t{0}, step_ = 0;
-  double time_ = 0.0, last_work_ = 0.0;
+  double time_ = 0.0;
   MissionResult result_;
 };
 }  // namespace surfleet

@@ -66,8 +66,7 @@ struct CoverGreedily {
       std::erase_if(seen[i], [&](std::int32_t id) {
         const IncompleteElement& e = s.elements[static_cast<std::size_t>(id)];
         const Eigen::Vector3d to_eye = (eye - e.position).normalized();
-        return (!e.direction.isZero() && e.direction.dot(to_eye) < least) ||
-               !s.request.ledger.promises(e.voxel, to_eye);
+        return !e.faces(to_eye, least) || !s.request.ledger.promises(e.voxel, to_eye);
       });
     }
     return cover_viewpoints(s.views, std::move(seen));
@@ -213,13 +212,12 @@ using TsgaPlanner = TourPlanner<>;
 using NnbPlanner = TourPlanner<
     GreedyAllocator<TourUtility<LinKernighan>, NearestFirst, PartitionMatroid, NearestNeighbour>>;
 using ImprovedTsgaPlanner = TourPlanner<GreedyAllocator<>, ImproveAllocation<>>;
-using MakespanPlanner = TourPlanner<
-    GreedyAllocator<TourShortness<LinKernighan>, NearestFirst, PartitionMatroid, MakespanAware>,
-    ImproveAllocation<Makespan, TourShortness<LinKernighan>>>;
+template <ViewSelector Select>
+using MakespanTours = TourPlanner<MakespanAllocator,
+                                  ImproveAllocation<Makespan, TourShortness<LinKernighan>>, Select>;
+using MakespanPlanner = MakespanTours<MergeNearby>;
 /// The same with few, broad views: for what is left when most has been seen.
-using CoverPlanner = TourPlanner<
-    GreedyAllocator<TourShortness<LinKernighan>, NearestFirst, PartitionMatroid, MakespanAware>,
-    ImproveAllocation<Makespan, TourShortness<LinKernighan>>, CoverGreedily>;
+using CoverPlanner = MakespanTours<CoverGreedily>;
 
 /// First one planner, then another for good: fast flights while there is much to see, tours for
 /// what is left. The second takes over once the first one's rate, averaged over its last few

@@ -65,6 +65,12 @@ struct IncompleteElement {
   VoxelIndex voxel = VoxelIndex::Zero();
   Point3 position = Point3::Zero();                     ///< Its centre [m].
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< n̄_v: unit, away from the surface, or 0.
+
+  /// Whether n̄_v is within the angle of this cosine of the unit vector to a camera; without a
+  /// direction, always.
+  bool faces(const Eigen::Vector3d& to_camera, double least_cosine) const {
+    return direction.isZero() || direction.dot(to_camera) >= least_cosine;
+  }
 };
 
 struct IncompleteSurfaceOptions {
