@@ -51,24 +51,19 @@ int run(int argc, char** argv) {
   line("finding what could be seen of " + site.scene.name);
   site.find_reference(s, starts.front().position);
 
-  CoverageProbe probe(site, half_voxel_diagonal(s.voxel));
-  CoverageCurve curve;
-  double next_probe = 0.0;
+  CoverageWatch watch(site, half_voxel_diagonal(s.voxel));
   const InspectionRun run =
       run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap& map) {
-        if (p.time >= next_probe) {
-          next_probe = p.time + 20.0;
-          curve.add(p, probe(map));
-        }
+        watch(p, map);
         char text[160];
         std::snprintf(text, sizeof text,
                       "%5.0f s  %7.1f m  %5.1f %% seen  %5zu incomplete elements", p.time,
-                      p.path_length, 100.0 * curve.last(), p.incomplete);
+                      p.path_length, 100.0 * watch.curve().last(), p.incomplete);
         line(text);
         return !cli::interrupted();
       });
   line.finish();
-  write_inspection(out, s, site, run, curve);
+  write_inspection(out, s, site, run, watch.curve());
 
   const ReconstructionMetrics& m = run.evaluation.metrics;
   std::printf("%s: %s, %d drone%s, planner %s\n", run.result.complete ? "complete" : "ended early",

@@ -3,6 +3,8 @@
 //
 //   drone_inspection_trials --scene powerplant --planners surfleet,tsga,nnb --fleets 1,3,5 --trials
 //   10
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -22,6 +24,16 @@ std::string spread(const std::vector<double>& values, double scale, int digits) 
   const Moments m = moments(values);
   return format_number(scale * m.mean(), digits) + " ± " +
          format_number(scale * m.sample_deviation(), digits);
+}
+
+/// Mean paths to the milestones of coverage; a dash where not every trial reached one.
+std::string at_milestones(const std::array<std::vector<double>, kMilestones.size()>& paths,
+                          std::size_t trials) {
+  std::string text;
+  for (const std::vector<double>& p : paths)
+    text += (text.empty() ? "" : ", ") +
+            (p.size() == trials ? format_number(moments(p).mean(), 0) : std::string("-"));
+  return text;
 }
 
 int run(int argc, char** argv) {
@@ -55,12 +67,14 @@ int run(int argc, char** argv) {
 
   nlohmann::json all = nlohmann::json::array();
   Table table{.caption = "Mean ± standard deviation over " + std::to_string(trials) + " seeds",
-              .columns = {"planner", "drones", "path [m]", "time [s]", "coverage [%]", "RMSE [cm]",
-                          "collisions", "least clearance [m]", "planning [s]", "machine [s]"}};
+              .columns = {"planner", "drones", "path to 90, 95, 98 % [m]", "path [m]", "time [s]",
+                          "coverage [%]", "RMSE [cm]", "collisions", "least clearance [m]",
+                          "planning [s]", "machine [s]"}};
   bool complete = true;
   for (const std::string& planner : planners)
     for (const int n : fleets) {
       std::vector<double> path, time, coverage, rmse, planning, wall;
+      std::array<std::vector<double>, kMilestones.size()> milestones;
       int collisions = 0;
       double clearance = std::numeric_limits<double>::infinity();
       for (int k = 0; k < trials && !cli::interrupted(); ++k) {
@@ -68,8 +82,10 @@ int run(int argc, char** argv) {
         s.planner = planner;
         s.robots = n;
         s.seed = base.seed + static_cast<std::uint64_t>(k);
+        CoverageWatch watch(site, half_voxel_diagonal(s.voxel));
         const InspectionRun one =
-            run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap&) {
+            run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap& map) {
+              watch(p, map);
               char text[160];
               std::snprintf(text, sizeof text,
                             "%s, %d drones, seed %llu: %5.0f s  %7.1f m  %zu left", planner.c_str(),
@@ -79,8 +95,10 @@ int run(int argc, char** argv) {
               return !cli::interrupted();
             });
         complete = complete && one.result.complete;
-        all.push_back(inspection_metrics(s, site, one, peak_memory()));
+        all.push_back(inspection_metrics(s, site, one, watch.curve(), peak_memory()));
         path.push_back(one.result.total_path_length());
+        for (std::size_t i = 0; i < kMilestones.size(); ++i)
+          if (const auto at = watch.curve().path_to(kMilestones[i])) milestones[i].push_back(*at);
         time.push_back(one.result.completion_time);
         coverage.push_back(one.evaluation.metrics.surface_coverage);
         rmse.push_back(one.evaluation.metrics.rmse_m);
@@ -92,8 +110,9 @@ int run(int argc, char** argv) {
         write_file(folder / "trials.json", all.dump(2) + "\n");
       }
       if (path.empty()) continue;
-      table.add_row({planner, std::to_string(n), spread(path, 1.0, 0), spread(time, 1.0, 0),
-                     spread(coverage, 100.0, 1), spread(rmse, 100.0, 2), std::to_string(collisions),
+      table.add_row({planner, std::to_string(n), at_milestones(milestones, path.size()),
+                     spread(path, 1.0, 0), spread(time, 1.0, 0), spread(coverage, 100.0, 1),
+                     spread(rmse, 100.0, 2), std::to_string(collisions),
                      format_number(clearance, 2), spread(planning, 1.0, 1), spread(wall, 1.0, 1)});
     }
   line.finish();

@@ -4,9 +4,12 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,17 +57,44 @@ class CoverageProbe {
   std::vector<Point3> points_;
 };
 
-/// Coverage and work over time.
+/// Coverage and work over time, from the probe.
 struct CoverageCurve {
   std::vector<double> time, path, coverage, incomplete;
-  void add(const MissionProgress& p, double share) {
-    time.push_back(p.time);
-    path.push_back(p.path_length);
-    coverage.push_back(share);
-    incomplete.push_back(static_cast<double>(p.incomplete));
-  }
   double last() const { return coverage.empty() ? 0.0 : coverage.back(); }
+  /// The fleet's path when so much was first covered, between two looks at it [m]; nothing if
+  /// never.
+  std::optional<double> path_to(double share) const {
+    const auto reached =
+        std::find_if(coverage.begin(), coverage.end(), [&](double c) { return c >= share; });
+    if (reached == coverage.end()) return std::nullopt;
+    const auto i = static_cast<std::size_t>(reached - coverage.begin());
+    if (i == 0) return path[0];
+    const double t = (share - coverage[i - 1]) / (coverage[i] - coverage[i - 1]);
+    return path[i - 1] + t * (path[i] - path[i - 1]);
+  }
 };
+
+/// Looks at a mission's coverage while it is under way.
+class CoverageWatch {
+ public:
+  CoverageWatch(const InspectionSite& site, double e_max) : probe_(site, e_max) {}
+  void operator()(const MissionProgress& p, const TsdfMap& map) {
+    if (p.time < next_) return;
+    next_ = p.time + kPeriod;
+    curve_.time.push_back(p.time);
+    curve_.path.push_back(p.path_length);
+    curve_.coverage.push_back(probe_(map));
+    curve_.incomplete.push_back(static_cast<double>(p.incomplete));
+  }
+  const CoverageCurve& curve() const { return curve_; }
+
+ private:
+  static constexpr double kPeriod = 5.0;  // [s]
+  CoverageProbe probe_;
+  CoverageCurve curve_;
+  double next_ = 0.0;
+};
+constexpr std::array<double, 3> kMilestones{0.90, 0.95, 0.98};  ///< Shares whose path is reported.
 
 /// The largest memory this process has had [bytes].
 inline std::size_t peak_memory() {
@@ -75,8 +105,14 @@ inline std::size_t peak_memory() {
 
 /// `metrics.json`.
 inline nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,
-                                         const InspectionRun& run, std::size_t memory) {
+                                         const InspectionRun& run, const CoverageCurve& curve,
+                                         std::size_t memory) {
   const ReconstructionMetrics& m = run.evaluation.metrics;
+  nlohmann::json milestones = nlohmann::json::object();
+  for (const double share : kMilestones) {
+    const auto path = curve.path_to(share);
+    milestones[format_number(share, 2)] = path ? nlohmann::json(*path) : nlohmann::json();
+  }
   const auto number = [](double v) {
     return std::isfinite(v) ? nlohmann::json(v) : nlohmann::json();
   };
@@ -96,6 +132,7 @@ inline nlohmann::json inspection_metrics(const InspectionSettings& s, const Insp
           {"peak_memory_bytes", memory},
           {"total_path_length_m", run.result.total_path_length()},
           {"path_length_m", run.result.path_length},
+          {"path_to_coverage_m", milestones},
           {"surface_coverage", m.surface_coverage},
           {"observable_share", site.reference_share},
           {"m3c2_mean_m", number(m.m3c2_mean_m)},
@@ -154,7 +191,7 @@ inline void write_inspection(const std::filesystem::path& out, const InspectionS
     write_tum(out / ("trajectory_" + std::to_string(r + 1) + ".tum"), poses);
   }
   const std::size_t memory = peak_memory();
-  const nlohmann::json metrics = inspection_metrics(s, site, run, memory);
+  const nlohmann::json metrics = inspection_metrics(s, site, run, curve, memory);
   write_file(out / "metrics.json", metrics.dump(2) + "\n");
 
   const ReconstructionMetrics& m = run.evaluation.metrics;

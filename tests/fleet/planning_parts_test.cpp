@@ -63,8 +63,10 @@ TEST(ledger_gives_up_after_so_many_looks) {
   CHECK(!ledger.promises(v, (up + 0.3 * side).normalized()) && ledger.promises(v, side));
   ledger.looked_in_vain(v, side);
   CHECK(ledger.reason(v) == LeftReason::seen_incomplete);
-  ledger.not_reached(w);
-  ledger.not_reached(w);
+  const std::array<VoxelIndex, 3> one_place{w, VoxelIndex(5, 4, 6), VoxelIndex(4, 4, 7)};
+  ledger.not_reached(one_place);  // one way that was not found, however many elements it led to
+  CHECK(!ledger.given_up(w));
+  ledger.not_reached(one_place);
   CHECK(ledger.reason(w) == LeftReason::unreachable);
   CHECK(!ledger.given_up({0, 0, 0}));
 }

@@ -53,11 +53,31 @@ std::vector<VoxelIndex> by_definition(const TsdfMap& map) {
   return found;
 }
 
+/// Every unknown neighbour is named, and nothing else.
+template <typename U>
+void check_unknown(const TsdfMap& map, const IncompleteElement& e) {
+  std::uint32_t expected = 0;
+  for (int i = 0; i < 27; ++i) {
+    const VoxelIndex d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    if (!d.isZero() && U::contains(d.x(), d.y(), d.z()) &&
+        state_of(map, e.voxel + d) == VoxelState::unknown)
+      expected |= 1U << i;
+  }
+  CHECK(e.unknown == expected && expected != 0);
+  std::uint32_t named = 0;
+  CHECK(!e.any_unknown([&](const VoxelIndex& d) {
+    named |= 1U << (d.x() + 1 + 3 * (d.y() + 1) + 9 * (d.z() + 1));
+    return false;
+  }));
+  CHECK(named == expected);
+  CHECK(e.any_unknown([](const VoxelIndex&) { return true; }));
+}
+
 bool same(const std::vector<IncompleteElement>& a, const std::vector<IncompleteElement>& b) {
   if (a.size() != b.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i)
     if (a[i].voxel != b[i].voxel || a[i].position != b[i].position ||
-        a[i].direction != b[i].direction)
+        a[i].direction != b[i].direction || a[i].unknown != b[i].unknown)
       return false;
   return true;
 }
@@ -93,6 +113,7 @@ void follows_random_edits(std::uint64_t seed) {
     const auto expected = by_definition<U, O>(map);
     CHECK(expected.size() == kept.size());
     for (const VoxelIndex& v : expected) CHECK(kept.contains(v));
+    for (const IncompleteElement& e : kept.elements()) check_unknown<U>(map, e);
   }
   CHECK(kept.size() > 0);
 }
@@ -138,7 +159,14 @@ TEST(the_rim_of_a_floor_is_incomplete_and_faces_up) {
     CHECK(e.voxel.z() == 0);
     CHECK(std::max(std::abs(e.voxel.x()), std::abs(e.voxel.y())) == 10);
     CHECK(e.direction.z() > 0.8);
+    // Beyond the rim, a voxel further out.
+    const VoxelIndex beyond = map.index_of(e.frontier(map.voxel_size()));
+    CHECK(beyond.z() == 0 && (beyond - e.voxel).cwiseAbs().sum() == 1);
+    CHECK(std::max(std::abs(beyond.x()), std::abs(beyond.y())) == 11);
   }
+  IncompleteElement unsaid;
+  unsaid.position = {1, 2, 3};
+  CHECK(unsaid.frontier(0.3) == unsaid.position);
 }
 
 TEST(the_direction_vanishes_between_two_walls) {

@@ -34,6 +34,13 @@ void check_promises(const ViewpointSet& set, std::span<const IncompleteElement> 
     LineOfSight line(states, {.unknown_blocks = options.unknown_blocks});
     CHECK(placed.contains(e.position));
     CHECK(line.sees(placed.eye(), e.voxel));
+    bool shown = false;
+    e.any_unknown([&](const VoxelIndex& d) {
+      shown |= placed.contains(e.position + states.voxel_size() * d.cast<double>()) &&
+               line.sees(placed.eye(), e.voxel + d);
+      return false;
+    });
+    CHECK(shown || e.unknown == 0);
     CHECK(is_free(v.configuration));
     CHECK(!options.known_eye || states.at(placed.eye()) == VoxelState::empty);
     CHECK_NEAR((placed.eye() - e.position).normalized().dot(v.direction), 1.0, 1e-9);
@@ -281,5 +288,42 @@ TEST(views_come_from_sides_that_promise_something) {
                                                    AlwaysTrue{}, AlwaysTrue{}, none);
   CHECK(refused.empty() && refused.unseen.size() == elements.size());
   for (const UnseenElement& u : refused.unseen) CHECK(u.reason == NoViewReason::looked_at);
+}
+TEST(what_is_unknown_round_a_corner_asks_for_another_place) {
+  // A duct of one voxel into the wall, whose bottom has an unknown voxel at its side.
+  const auto scene = [](int mouth) {
+    TsdfMap map = wall_scene(10, 24);
+    paint(map, {-3, -mouth, 0}, {-1, mouth, 0},
+          [](const VoxelIndex&) { return VoxelState::empty; });
+    paint(map, {-5, -10, -10}, {-4, 10, 10},
+          [](const VoxelIndex&) { return VoxelState::occupied; });
+    set_state(map, {-3, mouth + 1, 0}, VoxelState::unknown);
+    return map;
+  };
+  ViewpointOptions options{.distance = 4.0};
+  options.known_eye = false;
+  for (const int mouth : {0, 3}) {
+    const TsdfMap map = scene(mouth);
+    const VoxelStateMap states(map);
+    auto elements = elements_of(map);
+    std::erase_if(elements,
+                  [&](const IncompleteElement& e) { return e.voxel != VoxelIndex(-3, mouth, 0); });
+    CHECK(elements.size() == 1);
+    const ViewpointSet set =
+        generate_viewpoints(std::span<const IncompleteElement>(elements), states, kCamera, options,
+                            AlwaysTrue{}, AlwaysTrue{});
+    check_promises(set, elements, states, options, AlwaysTrue{});
+    // The bottom itself can be seen either way; what is beside it only where the duct is wide.
+    const ViewFrustum frustum(kCamera, options.T_body_camera);
+    LineOfSight line(states);
+    const Configuration before{elements[0].position + Point3(4, 0, 0), kPi};
+    CHECK(frustum.at(before).contains(elements[0].position));
+    CHECK(line.sees(before.position, elements[0].voxel));
+    CHECK(!reveals(frustum.at(before), elements[0], line));
+    CHECK(set.size() == (mouth == 0 ? 0U : 1U));
+    if (mouth == 0) CHECK(set.unseen[0].reason == NoViewReason::occluded);
+    elements[0].unknown = 0;  // then it is enough to see the element itself
+    CHECK(reveals(frustum.at(before), elements[0], line));
+  }
 }
 }  // namespace

@@ -8,6 +8,7 @@
 namespace surfleet {
 /// Why an incomplete element is left when a mission ends [000 Def. 2].
 enum class LeftReason : std::uint8_t {
+  hidden,           ///< No line of sight to what is unknown beside it.
   no_free_pose,     ///< No collision-free configuration has it in view.
   unreachable,      ///< Configurations see it, but none can be reached.
   seen_incomplete,  ///< Looked at as often as allowed, and still incomplete.
@@ -15,6 +16,8 @@ enum class LeftReason : std::uint8_t {
 };
 constexpr std::string_view name_of(LeftReason r) {
   switch (r) {
+    case LeftReason::hidden:
+      return "hidden";
     case LeftReason::no_free_pose:
       return "no_free_pose";
     case LeftReason::unreachable:

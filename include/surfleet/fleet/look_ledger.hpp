@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
+#include <span>
 #include <vector>
 
 #include <surfleet/core/types.hpp>
@@ -38,8 +40,12 @@ class LookLedger {
                      [&](const Eigen::Vector3d& l) { return l.dot(direction) > kSamePlace; }))
       looks.push_back(direction);
   }
-  /// No path was found to a configuration that sees it.
-  void not_reached(const VoxelIndex& v) { ++entries_[key(v)].failures; }
+  /// No path was found to a configuration that sees these: one failure for each place.
+  void not_reached(std::span<const VoxelIndex> voxels) {
+    std::set<Key> places;
+    for (const VoxelIndex& v : voxels) places.insert(key(v));
+    for (const Key& place : places) ++entries_[place].failures;
+  }
 
   /// Whether no look was in vain yet.
   bool fresh(const VoxelIndex& v) const {

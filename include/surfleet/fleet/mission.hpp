@@ -34,6 +34,7 @@
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
+#include <surfleet/viewpoint/revealing_look.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/visibility.hpp>
 
@@ -328,8 +329,7 @@ class Mission {
     for (const IncompleteElement& e : work()) {
       if (a.images < looks_needed(fleet_[r], e.voxel)) continue;
       const Eigen::Vector3d to_eye = (eye - e.position).normalized();
-      const bool fair =
-          view.contains(e.position) && e.faces(to_eye, kFairLook) && line.sees(eye, e.voxel);
+      const bool fair = e.faces(to_eye, kFairLook) && reveals(view, e, line);
       if (fair ||
           std::find(stop.targets.begin(), stop.targets.end(), e.voxel) != stop.targets.end())
         ledger_.looked_in_vain(e.voxel, to_eye);
@@ -381,6 +381,7 @@ class Mission {
                               .robots = robots,
                               .time = time_,
                               .round = result_.plans};
+    if (at_rest()) ++vain_plans_;
     const auto before = std::chrono::steady_clock::now();
     PlanResult result = planner(request);
     result_.planning_time +=
@@ -388,6 +389,8 @@ class Mission {
     ++result_.plans;
     impossible_ = std::move(result.impossible);
     planned_revision_ = known_.grid().revision();
+    nothing_planned_ = std::all_of(result.routes.begin(), result.routes.end(),
+                                   [](const auto& route) { return !route || route->empty(); });
     for (std::size_t r = 0; r < agents_.size(); ++r) {
       if (!result.routes[r]) continue;
       Agent& a = agents_[r];
@@ -431,9 +434,10 @@ class Mission {
         a.motion.follow(path->points, stop.configuration.yaw, std::move(look));
         a.phase = Phase::flying;
         a.images = 0;
+        vain_plans_ = 0;
         return;
       }
-      for (const VoxelIndex& v : stop.targets) ledger_.not_reached(v);
+      ledger_.not_reached(stop.targets);
       elements_dirty_ = true;
       a.route.erase(a.route.begin());
     }
@@ -446,8 +450,12 @@ class Mission {
       return a.phase == Phase::waiting && a.route.empty() && a.motion.standing();
     });
   }
-  /// Done when nobody has anything to do and the planner, asked on this very map, found nothing.
-  bool finished() const { return at_rest() && planned_revision_ == known_.grid().revision(); }
+  /// Done when nobody has anything to do and the planner, asked on this very map, found nothing, or
+  /// time after time nothing that can be reached.
+  bool finished() const {
+    return at_rest() && planned_revision_ == known_.grid().revision() &&
+           (nothing_planned_ || vain_plans_ > options_.looks.max_failures);
+  }
 
   // -- motion ------------------------------------------------------------------------------------
   void move() {
@@ -473,7 +481,7 @@ class Mission {
   }
   /// Where robots block each other for good, one does something else.
   void give_up_route(Agent& a) {
-    for (const VoxelIndex& v : a.route.front().targets) ledger_.not_reached(v);
+    ledger_.not_reached(a.route.front().targets);
     elements_dirty_ = true;
     a.route.clear();
     halt(a);
@@ -546,7 +554,7 @@ class Mission {
     const double reach = 0.85 * options_.camera.max_range;
     for (const IncompleteElement& e : work())
       if ((e.position - fleet_[r].position).squaredNorm() < reach * reach)
-        near.push_back({e.position, e.direction, 1.0, 2});
+        near.push_back({e.frontier(options_.voxel_size), e.direction, 1.0, 2});
     if (near.empty()) return goal.yaw;
     const SightTargets targets(std::move(near), MapSight(observed_), headings_,
                                {.max_distance = reach});
@@ -607,6 +615,8 @@ class Mission {
   bool elements_dirty_ = true;
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;
   std::uint64_t planned_revision_ = ~std::uint64_t{0}, step_ = 0;
+  bool nothing_planned_ = false;
+  int vain_plans_ = 0;  ///< Made with all at rest, since a robot last set off.
   double time_ = 0.0;
   MissionResult result_;
 };

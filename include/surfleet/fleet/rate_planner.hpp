@@ -124,7 +124,7 @@ class RatePlanner {
         key = key << 20 | (static_cast<std::uint64_t>(e.voxel[k] >> 1) & 0xfffffU);
       const auto [it, fresh] = groups.try_emplace(key, targets.size());
       if (fresh) {
-        targets.push_back({e.position, e.direction, 0.0, 2});
+        targets.push_back({e.frontier(voxel), e.direction, 0.0, 2});
         members_.emplace_back();
       }
       targets[it->second].worth += voxel * voxel;

@@ -16,6 +16,7 @@
 #include <surfleet/allocation/improve_allocation.hpp>
 #include <surfleet/fleet/plan.hpp>
 #include <surfleet/viewpoint/gain.hpp>
+#include <surfleet/viewpoint/revealing_look.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/viewpoint_clustering.hpp>
 #include <surfleet/viewpoint/viewpoint_cover.hpp>
@@ -54,19 +55,22 @@ struct MergeNearby {
                             SeesTargets{s.elements, &s.request.observed, s.frustum, is_free});
   }
 };
-/// As few as see them all, each in fair view and from a side not looked at in vain.
+/// As few as reveal them all, each in fair view and from a side not looked at in vain.
 struct CoverGreedily {
   double max_incidence = 1.16;  ///< Greatest angle between n̄_v and the line of sight [rad].
   std::vector<Viewpoint> operator()(const ViewSelection& s) const {
     const IncompleteSurfaceGain gain(s.elements, s.request.observed, s.frustum);
     std::vector<std::vector<std::int32_t>> seen = seen_from_all(gain, s.views);
     const double least = std::cos(max_incidence);
+    LineOfSight line(s.request.observed);
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      const Point3 eye = s.frustum.at(s.views[i].configuration).eye();
+      const ViewFrustum::Placed placed = s.frustum.at(s.views[i].configuration);
+      const Point3 eye = placed.eye();
       std::erase_if(seen[i], [&](std::int32_t id) {
         const IncompleteElement& e = s.elements[static_cast<std::size_t>(id)];
         const Eigen::Vector3d to_eye = (eye - e.position).normalized();
-        return !e.faces(to_eye, least) || !s.request.ledger.promises(e.voxel, to_eye);
+        return !e.faces(to_eye, least) || !s.request.ledger.promises(e.voxel, to_eye) ||
+               !reveals(placed, e, line);
       });
     }
     return cover_viewpoints(s.views, std::move(seen));
@@ -186,6 +190,8 @@ class TourPlanner {
         return LeftReason::seen_incomplete;
       case NoViewReason::unreachable:
         return LeftReason::unreachable;
+      case NoViewReason::occluded:
+        return LeftReason::hidden;
       default:
         return LeftReason::no_free_pose;
     }

@@ -65,11 +65,38 @@ struct IncompleteElement {
   VoxelIndex voxel = VoxelIndex::Zero();
   Point3 position = Point3::Zero();                     ///< Its centre [m].
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< n̄_v: unit, away from the surface, or 0.
+  /// Its unknown neighbours, whose states complete it: bit (dx + 1) + 3 (dy + 1) + 9 (dz + 1). None
+  /// means that it is not said which they are.
+  std::uint32_t unknown = 0;
 
   /// Whether n̄_v is within the angle of this cosine of the unit vector to a camera; without a
   /// direction, always.
   bool faces(const Eigen::Vector3d& to_camera, double least_cosine) const {
     return direction.isZero() || direction.dot(to_camera) >= least_cosine;
+  }
+  /// Calls `fn(offset)`, in voxels, for each unknown neighbour until it returns true; whether it
+  /// did.
+  template <typename Fn>
+  bool any_unknown(Fn&& fn) const {
+    for (std::uint32_t bits = unknown; bits != 0; bits &= bits - 1) {
+      const int i = std::countr_zero(bits);
+      if (fn(VoxelIndex(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1))) return true;
+    }
+    return false;
+  }
+  /// Centre of the unknown neighbour that lies most to the front, or of itself [m].
+  Point3 frontier(double voxel_size) const {
+    Eigen::Vector3d foremost = Eigen::Vector3d::Zero();
+    double best = -2.0;
+    any_unknown([&](const VoxelIndex& offset) {
+      const Eigen::Vector3d o = offset.cast<double>();
+      if (o.dot(direction) > best + 1e-9) {
+        best = o.dot(direction);
+        foremost = o;
+      }
+      return false;
+    });
+    return position + voxel_size * foremost;
   }
 };
 
@@ -304,6 +331,7 @@ class BasicIncompleteSurface {
               (e.voxel.template cast<double>() + Eigen::Vector3d::Constant(0.5)) * voxel_size_;
           if (!options_.region.isEmpty() && !options_.region.contains(e.position)) continue;
           e.direction = direction(occupied, x, y, z);
+          e.unknown = neighbors_in(unknown, x, y, z);
           incomplete[row] |= static_cast<std::uint8_t>(1U << x);
           record.elements.push_back(e);
         }
@@ -338,6 +366,16 @@ class BasicIncompleteSurface {
     }
   }
 
+  static std::uint32_t neighbors_in(const PaddedBits& unknown, int x, int y, int z) {
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 27; ++i) {
+      const BlockIndex d = neighbor_offset(i);
+      if (i == 13 || !Unknown::contains(d.x(), d.y(), d.z())) continue;
+      const unsigned row = unknown[padded_row(y + d.y(), z + d.z())];
+      bits |= (row >> (x + 1 + d.x()) & 1U) << i;
+    }
+    return bits;
+  }
   static Eigen::Vector3d direction(const PaddedBits& occupied, int x, int y, int z) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int dz = -1; dz <= 1; ++dz) {

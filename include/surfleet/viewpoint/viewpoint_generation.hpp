@@ -23,6 +23,7 @@
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/viewpoint/detail/point_cells.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
+#include <surfleet/viewpoint/revealing_look.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/viewpoint.hpp>
 #include <surfleet/viewpoint/visibility.hpp>
@@ -187,10 +188,10 @@ inline std::vector<double> view_distances(const PinholeCamera& camera, const Vie
 /// not in sight from there, or the robot cannot be there, others are tried: first distances within
 /// about a step of the wanted one, over directions by growing angle to n̄_v up to `max_angle`; then
 /// all other distances likewise. An element without direction takes directions as they come. Every
-/// viewpoint returned has its element in the frustum and in sight, `is_free` and `is_reachable`
-/// hold for it, `promises` holds for its line of sight, and `targets` is its element. O(elements ×
-/// tries), one try where nothing is in the way. Throws `Error` on a distance or a step that is not
-/// positive.
+/// viewpoint returned reveals its element: it is in the frustum and in sight, and so is one of its
+/// unknown neighbours. `is_free` and `is_reachable` hold for it, `promises` holds for its line of
+/// sight, and `targets` is its element. O(elements × tries), one try where nothing is in the way.
+/// Throws `Error` on a distance or a step that is not positive.
 template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue,
           LookPredicate Promises = AlwaysTrue>
 ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
@@ -210,6 +211,20 @@ ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
   const double min_distance = std::max(options.min_distance, camera.min_range);
   const double min_cosine = std::cos(options.max_angle);
   LineOfSight sight(map, {.unknown_blocks = options.unknown_blocks});
+
+  // How far away along a line the element is in sight, and about, one of its unknown neighbours.
+  const auto clear_along = [&](const IncompleteElement& e, const Eigen::Vector3d& direction,
+                               double limit) {
+    const double own = sight.free_length(e.position, direction, limit);
+    if (e.unknown == 0 || options.unknown_blocks) return own;  // then `reveals` alone decides
+    double beside = 0.0;
+    e.any_unknown([&](const VoxelIndex& offset) {
+      const Point3 p = e.position + map.voxel_size() * offset.cast<double>();
+      beside = std::max(beside, sight.free_length(p, direction, limit));
+      return beside >= own;
+    });
+    return std::min(own, beside);
+  };
 
   ViewpointSet result;
   std::vector<std::pair<double, std::ptrdiff_t>> order;
@@ -234,13 +249,13 @@ ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
         const Point3 eye = e.position + distance * l.direction;
         if (options.known_eye && sight.state(map.grid().index_of(eye)) != VoxelState::empty)
           continue;
-        if (clear < 0.0)
-          clear = map.voxel_size() +
-                  sight.free_length(e.position, l.direction,
-                                    *std::max_element(lengths.begin(), lengths.end()));
+        if (clear < 0.0) {
+          const double farthest = *std::max_element(lengths.begin(), lengths.end());
+          clear = map.voxel_size() + clear_along(e, l.direction, farthest);
+        }
         if (distance > clear) continue;
         const Configuration q{eye - l.eye_offset, l.yaw};
-        if (!frustum.contains(q, e.position) || !sight.sees(eye, e.voxel)) continue;
+        if (!reveals(frustum.at(q), e, sight)) continue;
         in_sight = true;
         ++tries;
         if (!is_free(q)) continue;
@@ -274,10 +289,9 @@ ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
       found = attempt(line_of(*it), rest);
     if (found) continue;
 
-    const bool open =
-        in_sight || std::any_of(order.begin(), order.end(), [&](const auto& c) {
-          return sight.free_length(e.position, line_of(c).direction, min_distance) >= min_distance;
-        });
+    const bool open = in_sight || std::any_of(order.begin(), order.end(), [&](const auto& c) {
+                        return clear_along(e, line_of(c).direction, min_distance) >= min_distance;
+                      });
     result.unseen.push_back({static_cast<std::int32_t>(i), free       ? NoViewReason::unreachable
                                                            : refused  ? NoViewReason::looked_at
                                                            : !in_band ? NoViewReason::outside_view
@@ -389,8 +403,8 @@ inline std::vector<Viewpoint> merge_viewpoints(std::span<const Viewpoint> views,
   return merge_viewpoints(views, options, [](const Viewpoint&) { return true; });
 }
 
-/// Whether a viewpoint's pose is free and each of its targets is in the frustum and in sight. For
-/// `merge_viewpoints`. The map and the elements must outlive it.
+/// Whether a viewpoint's pose is free and it reveals each of its targets. For `merge_viewpoints`.
+/// The map and the elements must outlive it.
 template <ConfigurationPredicate IsFree>
 struct SeesTargets {
   std::span<const IncompleteElement> elements;
@@ -402,11 +416,10 @@ struct SeesTargets {
   bool operator()(const Viewpoint& view) const {
     if (!is_free(view.configuration)) return false;
     const ViewFrustum::Placed placed = frustum.at(view.configuration);
-    const Point3 eye = placed.eye();
     LineOfSight line(*map, sight);
     return std::all_of(view.targets.begin(), view.targets.end(), [&](std::int32_t t) {
       const IncompleteElement& e = elements[static_cast<std::size_t>(t)];
-      return placed.contains(e.position) && line.sees(eye, e.voxel);
+      return reveals(placed, e, line);
     });
   }
 };

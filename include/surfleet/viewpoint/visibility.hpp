@@ -24,6 +24,7 @@ class LineOfSight {
     return s == VoxelState::occupied || (options_.unknown_blocks && s == VoxelState::unknown);
   }
   VoxelState state(const VoxelIndex& v) { return accessor_(v); }
+  double voxel_size() const { return voxel_size_; }
 
   /// True if nothing blocks the segment from `from` [m] to the centre of `target` before the
   /// target's voxel is entered; what the target itself holds does not matter. O(voxels passed).
