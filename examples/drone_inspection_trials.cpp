@@ -56,7 +56,7 @@ int run(int argc, char** argv) {
   InspectionSettings base = options.settle();
   require(trials >= 1 && trials <= 1000, "--trials: expected 1 to 1000");
   for (const int n : fleets) require(n >= 1 && n <= 64, "--fleets: expected numbers of 1 to 64");
-  for (const std::string& p : planners) check_planner_name(p);
+  for (const std::string& p : planners) planner_by_name(p);
   InspectionSite site(open_scene(base), base);
   const int most = *std::max_element(fleets.begin(), fleets.end());
   const auto starts = site.starts(base, most);

@@ -129,9 +129,7 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
     o.start_clearance = std::min(o.start_clearance, site.structure.distance(q.position));
   o.limits.speed = s.speed;
   o.image_period = 1.0 / s.rate;
-  // NNB chooses anew "every time the ISE map is updated" [000 §3.6.1]: here, when a tenth of what
-  // it flies for is complete.
-  o.utility_share = s.planner == "nnb" ? std::min(0.1, s.utility_share) : s.utility_share;
+  o.utility_share = std::min(s.utility_share, planner_by_name(s.planner).utility_share);
   o.looks.max_looks = s.max_looks;
   o.region = site.scene.region;
   o.bounds = site.scene.bounds;
@@ -146,10 +144,10 @@ inline MissionOptions mission_options(const InspectionSettings& s, const Inspect
 inline AnyPlanner planner_for(const InspectionSettings& s) {
   TourPlannerOptions tours;
   tours.distance = s.standoff;
-  tours.clusters = {.radius = s.cluster_radius,
-                    .max_radius = s.cluster_max_radius,
-                    // The published planners set no bound on a cluster's extent.
-                    .max_extent = is_published(s.planner) ? 0.0 : 2.0 * s.cluster_max_radius};
+  tours.clusters = {
+      .radius = s.cluster_radius,
+      .max_radius = s.cluster_max_radius,
+      .max_extent = planner_by_name(s.planner).bounded_clusters ? 2.0 * s.cluster_max_radius : 0.0};
   tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
   return make_planner(s.planner, tours, {});
 }

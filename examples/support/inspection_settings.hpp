@@ -173,7 +173,7 @@ class InspectionOptions {
             "--architecture " + s.architecture + ": expected single or centralized");
     require(s.architecture != "single" || s.robots == 1,
             "--architecture single: expected --robots 1");
-    check_planner_name(s.planner);
+    planner_by_name(s.planner);
   }
 
   std::vector<std::pair<std::string, CLI::Option*>> options_;

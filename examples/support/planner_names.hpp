@@ -1,37 +1,48 @@
 // SPDX-License-Identifier: MIT
-/// @file  The names of the planners that the binaries know.
+/// @file  The planners that the binaries know by name, and what each of them asks of a mission.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <surfleet/core/error.hpp>
 
 namespace surfleet::examples {
-inline const std::vector<std::string>& planner_names() {
-  static const std::vector<std::string> names{"surfleet",      "tsga",       "nnb",
-                                              "nnb-exclusive", "tsga-async", "tsga-improved",
-                                              "makespan",      "rate",       "tours"};
-  return names;
-}
+struct NamedPlanner {
+  std::string_view name;
+  /// Whether clusters have a greatest extent; the published planners set none.
+  bool bounded_clusters = true;
+  /// Largest share of a route that is flown before the next plan. NNB chooses anew "every time the
+  /// ISE map is updated" [000 §3.6.1]: here, when a tenth of what it flies for is complete.
+  double utility_share = 1.0;
+};
 
-/// Whether a planner is meant to be as its authors describe it.
-inline bool is_published(std::string_view name) {
-  return name == "tsga" || name == "tsga-async" || name == "nnb";
-}
+constexpr std::array<NamedPlanner, 9> kPlanners{{
+    {.name = "surfleet"},
+    {.name = "tsga", .bounded_clusters = false},
+    {.name = "nnb", .bounded_clusters = false, .utility_share = 0.1},
+    {.name = "nnb-exclusive"},
+    {.name = "tsga-async", .bounded_clusters = false},
+    {.name = "tsga-improved"},
+    {.name = "makespan"},
+    {.name = "rate"},
+    {.name = "tours"},
+}};
 
-/// All of them, with commas between.
+/// All their names, with commas between.
 inline std::string planner_list() {
   std::string list;
-  for (const std::string& n : planner_names()) list += (list.empty() ? "" : ", ") + n;
+  for (const NamedPlanner& p : kPlanners) list += (list.empty() ? "" : ", ") + std::string(p.name);
   return list;
 }
-/// Throws `Error` for a name not in `planner_names()`.
-inline void check_planner_name(std::string_view name) {
-  const auto& names = planner_names();
-  if (std::find(names.begin(), names.end(), name) == names.end())
+/// Throws `Error` for a name that none of them has.
+inline const NamedPlanner& planner_by_name(std::string_view name) {
+  const auto it = std::find_if(kPlanners.begin(), kPlanners.end(),
+                               [&](const NamedPlanner& p) { return p.name == name; });
+  if (it == kPlanners.end())
     throw Error("planner " + std::string(name) + ": not known; expected one of " + planner_list());
+  return *it;
 }
 }  // namespace surfleet::examples

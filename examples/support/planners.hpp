@@ -28,10 +28,10 @@ struct AnyPlanner {
   }
 };
 
-/// Throws `Error` for a name not in `planner_names()`.
+/// Throws `Error` for a name that is not among `kPlanners`.
 inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& tours,
                                const RatePlannerOptions& rate) {
-  check_planner_name(name);
+  planner_by_name(name);
   TourPlannerOptions asynchronous = tours;
   asynchronous.asynchronous = true;
   if (name == "tsga") return AnyPlanner::of(TsgaPlanner(tours));

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <queue>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -95,6 +95,7 @@ class CoverageTourPlanner {
  private:
   struct Candidate {
     Point3 position;
+    std::size_t site = 0;
     int heading = 0;
     std::vector<std::int32_t> seen;
   };
@@ -108,16 +109,18 @@ class CoverageTourPlanner {
 
   void find_candidates() {
     reachable_.assign(surface_.points.size(), 0);
+    sites_ = {start_.position};
     const FlightLattice<FreeSpace> lattice(space_, space_.options().bounds, options_.spacing);
     lattice.search(start_.position, [&](const auto& site) {
       const std::vector<Sighting> seen = targets_.seen_from(site.position);
       for (const Sighting& s : seen) reachable_[static_cast<std::size_t>(s.target)] = 1;
       for (int k = 0; k < kHeadings && !seen.empty(); ++k) {
-        Candidate c{site.position, k, {}};
+        Candidate c{site.position, sites_.size(), k, {}};
         for (const Sighting& s : seen)
           if ((s.headings >> k & 1U) != 0U) c.seen.push_back(s.target);
         if (!c.seen.empty()) candidates_.push_back(std::move(c));
       }
+      sites_.push_back(site.position);
       return true;
     });
   }
@@ -133,84 +136,122 @@ class CoverageTourPlanner {
     return area;
   }
 
-  const Point3& place(std::size_t k) const {  // 0 is the start
-    return k == 0 ? start_.position : candidates_[stops_[k - 1]].position;
-  }
-  double distance(const Point3& a, const Point3& b) {
-    if (space_.is_free_segment(a, b)) return (b - a).norm();
-    const auto path = roadmap_.query(a, b);
-    return path ? path->length : 1e6;
+  /// Sites are numbered places: the start is 0, and so is the 0th place of the tour.
+  std::size_t site(std::size_t k) const { return k == 0 ? 0 : candidates_[stops_[k - 1]].site; }
+  const Point3& place(std::size_t k) const { return sites_[site(k)]; }
+  /// Between two sites; the roadmap is asked once for each pair.
+  double distance(std::size_t a, std::size_t b) {
+    if (a == b) return 0.0;
+    const auto [it, fresh] = lengths_.try_emplace(std::minmax(a, b), 0.0);
+    if (fresh) {
+      const Point3 &p = sites_[it->first.first], &q = sites_[it->first.second];
+      if (space_.is_free_segment(p, q)) {
+        it->second = (q - p).norm();
+      } else {
+        const auto path = roadmap_.query(p, q);
+        it->second = path ? path->length : kNoWay;
+      }
+    }
+    return it->second;
   }
 
-  /// Adds the viewpoint of most new area per inserted metre until the goal is met. A straight line
-  /// bounds an insertion from below, so roadmap lengths are asked for the promising alone.
+  /// Adds the viewpoint of most new area per inserted metre until the goal is met.
+  ///
+  /// Lazy greedy: gains only shrink, so an old gain over the least straight detour bounds a
+  /// candidate's rate, and only those that could be the best are counted anew and their ways asked
+  /// for.
   void grow() {
     if (en_route_.empty()) en_route_.assign(surface_.points.size(), 0);
     double seen = count_seen();
-    std::vector<double> value(candidates_.size());
     std::vector<double> legs;
-    const auto refresh_legs = [&] {
-      legs.assign(stops_.size(), 0.0);
-      for (std::size_t k = 0; k < stops_.size(); ++k) legs[k] = distance(place(k), place(k + 1));
-    };
-    refresh_legs();
+    for (std::size_t k = 0; k < stops_.size(); ++k) legs.push_back(distance(site(k), site(k + 1)));
+    std::vector<double> gain(candidates_.size(), std::numeric_limits<double>::infinity());
+    std::vector<Detour> detour(candidates_.size());
+    for (std::size_t c = 0; c < candidates_.size(); ++c)
+      for (std::size_t k = 0; k <= stops_.size(); ++k) shorten(detour[c], c, k, legs);
     while (seen < goal_) {
-      // Lazy greedy: gains only shrink, so an old value bounds the new one.
       double best_rate = 0.0;
-      std::size_t best = candidates_.size(), best_at = 0;
+      std::size_t best = candidates_.size();
       for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        double gain = 0.0;
-        for (const std::int32_t i : candidates_[c].seen) {
-          const auto s = static_cast<std::size_t>(i);
-          if (count_[s] == 0 && en_route_[s] == 0) gain += surface_.areas[s];
-        }
-        value[c] = gain;
-        if (gain <= 0.0 || gain / options_.stop_cost <= best_rate) continue;
-        // The cheapest place, first by straight lines.
-        const Point3& p = candidates_[c].position;
-        double cheapest = std::numeric_limits<double>::infinity();
-        std::size_t at = 0;
-        for (std::size_t k = 0; k <= stops_.size(); ++k) {
-          double extra = (p - place(k)).norm();
-          if (k < stops_.size()) extra += (place(k + 1) - p).norm() - legs[k];
-          if (extra < cheapest) {
-            cheapest = extra;
-            at = k;
-          }
-        }
-        cheapest = std::max(cheapest, 0.0);
-        if (gain / (cheapest + options_.stop_cost) <= best_rate) continue;
-        double extra = distance(place(at), p);
-        if (at < stops_.size()) extra += distance(p, place(at + 1)) - legs[at];
-        const double rate = gain / (std::max(extra, 0.0) + options_.stop_cost);
+        const double least = std::max(detour[c].extra, 0.0) + options_.stop_cost;
+        if (gain[c] <= best_rate * least) continue;
+        gain[c] = gain_of(c);
+        if (gain[c] <= best_rate * least) continue;
+        const std::size_t k = detour[c].leg;
+        double extra = distance(site(k), candidates_[c].site);
+        if (k < stops_.size()) extra += distance(candidates_[c].site, site(k + 1)) - legs[k];
+        const double rate = gain[c] / (std::max(extra, 0.0) + options_.stop_cost);
         if (rate > best_rate) {
           best_rate = rate;
           best = c;
-          best_at = at;
         }
       }
       if (best == candidates_.size()) return;
-      stops_.insert(stops_.begin() + static_cast<std::ptrdiff_t>(best_at), best);
+      const std::size_t k = detour[best].leg;
+      const bool at_end = k == stops_.size();
+      stops_.insert(stops_.begin() + static_cast<std::ptrdiff_t>(k), best);
       for (const std::int32_t i : candidates_[best].seen) ++count_[static_cast<std::size_t>(i)];
-      seen += value[best];
-      refresh_legs();
+      seen += gain[best];
+      legs.insert(legs.begin() + static_cast<std::ptrdiff_t>(k), distance(site(k), site(k + 1)));
+      if (!at_end) legs[k + 1] = distance(site(k + 1), site(k + 2));
+      for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        Detour& d = detour[c];
+        if (d.leg == k) {  // the leg that was taken apart
+          d = {};
+          for (std::size_t l = 0; l <= stops_.size(); ++l) shorten(d, c, l, legs);
+          continue;
+        }
+        if (d.leg > k) ++d.leg;
+        shorten(d, c, k, legs);
+        shorten(d, c, k + 1, legs);
+      }
     }
   }
+  /// Where a candidate costs least, by straight lines.
+  struct Detour {
+    double extra = std::numeric_limits<double>::infinity();  // [m]
+    std::size_t leg = 0;                                     // before the stop of this index
+  };
+  void shorten(Detour& d, std::size_t candidate, std::size_t k,
+               std::span<const double> legs) const {
+    const Point3& p = candidates_[candidate].position;
+    double extra = (p - place(k)).norm();
+    if (k < stops_.size()) extra += (place(k + 1) - p).norm() - legs[k];
+    if (extra < d.extra) d = {extra, k};
+  }
+  double gain_of(std::size_t candidate) const {
+    double gain = 0.0;
+    for (const std::int32_t i : candidates_[candidate].seen) {
+      const auto s = static_cast<std::size_t>(i);
+      if (count_[s] == 0 && en_route_[s] == 0) gain += surface_.areas[s];
+    }
+    return gain;
+  }
 
-  /// The shortest open path from the start that the tour solver finds, by roadmap lengths.
+  /// The shortest open path from the start that the tour solver finds, by roadmap lengths among
+  /// near neighbours.
   void improve_order() {
-    const int n = static_cast<int>(stops_.size()) + 1;
+    const std::size_t n = stops_.size() + 1;
     if (n < 4) return;
-    TourProblem problem{.costs = CostMatrix(n), .open = true, .start = 0};
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < i; ++j) {
-        const Point3 &a = place(static_cast<std::size_t>(i)),
-                     &b = place(static_cast<std::size_t>(j));
-        const double straight = (a - b).norm();
-        // Far pairs never become neighbours of a good tour; their straight line will do.
-        const double length = straight < 5.0 * range_ ? distance(a, b) : 1.3 * straight;
-        problem.costs(i, j) = problem.costs(j, i) = length;
-      }
+    TourProblem problem{.costs = CostMatrix(static_cast<int>(n)), .open = true, .start = 0};
+    const auto set = [&](std::size_t i, std::size_t j, double length) {
+      const int a = static_cast<int>(i), b = static_cast<int>(j);
+      problem.costs(a, b) = problem.costs(b, a) = length;
+    };
+    std::vector<std::pair<double, std::size_t>> near;
+    for (std::size_t i = 0; i < n; ++i)  // far pairs never become neighbours of a good tour
+      for (std::size_t j = 0; j < i; ++j) set(i, j, kWinding * (place(i) - place(j)).norm());
+    for (std::size_t i = 0; i < n; ++i) {
+      near.clear();
+      for (std::size_t j = 0; j < n; ++j)
+        if (j != i) near.emplace_back((place(i) - place(j)).squaredNorm(), j);
+      const std::size_t asked = std::min(kNeighbors, near.size());
+      std::nth_element(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(asked - 1),
+                       near.end());
+      for (std::size_t k = 0; k < asked; ++k)
+        set(i, near[k].second, distance(site(i), site(near[k].second)));
+    }
+    for (std::size_t k = 0; k + 1 < n; ++k) set(k, k + 1, distance(site(k), site(k + 1)));
     const Tour tour = LinKernighan{}(problem);
     std::vector<std::size_t> next;
     for (const int i : tour.order)
@@ -284,6 +325,10 @@ class CoverageTourPlanner {
     tour.seen_area = count_seen();
   }
 
+  static constexpr std::size_t kNeighbors = 24;  ///< Of a stop, whose ways are asked for.
+  static constexpr double kWinding = 1.3;        ///< A way over its straight line, elsewhere.
+  static constexpr double kNoWay = 1e6;          ///< [m]
+
   const KnownSurface& surface_;
   const FreeSpace& space_;
   LazyPrmStar& roadmap_;
@@ -292,6 +337,8 @@ class CoverageTourPlanner {
   double range_, goal_ = 0.0;
   HeadingTable headings_;
   SightTargets<MeshSight<Caster>> targets_;
+  std::vector<Point3> sites_;
+  std::map<std::pair<std::size_t, std::size_t>, double> lengths_;
   std::vector<Candidate> candidates_;
   std::vector<std::size_t> stops_;
   std::vector<int> count_;
