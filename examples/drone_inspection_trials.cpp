@@ -98,7 +98,8 @@ int run(int argc, char** argv) {
         all.push_back(inspection_metrics(s, site, one, watch.curve(), peak_memory()));
         path.push_back(one.result.total_path_length());
         for (std::size_t i = 0; i < kMilestones.size(); ++i)
-          if (const auto at = watch.curve().path_to(kMilestones[i])) milestones[i].push_back(*at);
+          if (const auto at = watch.curve().reached(kMilestones[i]))
+            milestones[i].push_back(at->path);
         time.push_back(one.result.completion_time);
         coverage.push_back(one.evaluation.metrics.surface_coverage);
         rmse.push_back(one.evaluation.metrics.rmse_m);

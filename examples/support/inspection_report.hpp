@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -61,16 +62,19 @@ class CoverageProbe {
 struct CoverageCurve {
   std::vector<double> time, path, coverage, incomplete;
   double last() const { return coverage.empty() ? 0.0 : coverage.back(); }
-  /// The fleet's path when so much was first covered, between two looks at it [m]; nothing if
-  /// never.
-  std::optional<double> path_to(double share) const {
-    const auto reached =
+  struct Milestone {
+    double time = 0.0;  ///< [s]
+    double path = 0.0;  ///< Of all robots [m].
+  };
+  /// When so much was first covered, between two looks at it; nothing if never.
+  std::optional<Milestone> reached(double share) const {
+    const auto at =
         std::find_if(coverage.begin(), coverage.end(), [&](double c) { return c >= share; });
-    if (reached == coverage.end()) return std::nullopt;
-    const auto i = static_cast<std::size_t>(reached - coverage.begin());
-    if (i == 0) return path[0];
+    if (at == coverage.end()) return std::nullopt;
+    const auto i = static_cast<std::size_t>(at - coverage.begin());
+    if (i == 0) return Milestone{time[0], path[0]};
     const double t = (share - coverage[i - 1]) / (coverage[i] - coverage[i - 1]);
-    return path[i - 1] + t * (path[i] - path[i - 1]);
+    return Milestone{std::lerp(time[i - 1], time[i], t), std::lerp(path[i - 1], path[i], t)};
   }
 };
 
@@ -110,8 +114,8 @@ inline nlohmann::json inspection_metrics(const InspectionSettings& s, const Insp
   const ReconstructionMetrics& m = run.evaluation.metrics;
   nlohmann::json milestones = nlohmann::json::object();
   for (const double share : kMilestones) {
-    const auto path = curve.path_to(share);
-    milestones[format_number(share, 2)] = path ? nlohmann::json(*path) : nlohmann::json();
+    const auto at = curve.reached(share);
+    milestones[format_number(share, 2)] = at ? nlohmann::json(at->path) : nlohmann::json();
   }
   const auto number = [](double v) {
     return std::isfinite(v) ? nlohmann::json(v) : nlohmann::json();
@@ -231,9 +235,15 @@ inline void write_inspection(const std::filesystem::path& out, const InspectionS
   report.add_plot(coverage, true);
   report.add_plot(work, true);
   report.add_plot(distance, true);
-  const std::vector<OwnRun> own{{"this run", s.robots, s.planner, run.result.total_path_length(),
-                                 run.result.completion_time, m.surface_coverage, m.m3c2_mean_m,
-                                 m.m3c2_std_m, m.rmse_m}};
+  std::vector<OwnRun> own{{"this run", s.robots, s.planner, run.result.total_path_length(),
+                           run.result.completion_time, m.surface_coverage, m.m3c2_mean_m,
+                           m.m3c2_std_m, m.rmse_m}};
+  constexpr double kPublishedCoverage = 0.90;  // where most of the published runs end
+  if (const auto at = curve.reached(kPublishedCoverage)) {
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    own.push_back({"this run, under way", s.robots, s.planner, at->path, at->time,
+                   kPublishedCoverage, kUnknown, kUnknown, kUnknown});
+  }
   report.add_table(comparison_table(s.preset, own));
   Table left{.caption = "Incomplete elements left, by reason", .columns = {"reason", "elements"}};
   for (const auto& [reason, count] : run.result.reasons)

@@ -2,6 +2,8 @@
 /// @file  Everything of the allocation room: tours, cluster graphs, and who visits what.
 #pragma once
 
+#include <surfleet/allocation/fwd.hpp>
+
 #include <surfleet/allocation/assignment.hpp>
 #include <surfleet/allocation/cluster_graph.hpp>
 #include <surfleet/allocation/cost_matrix.hpp>

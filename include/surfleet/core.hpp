@@ -2,6 +2,8 @@
 /// @file  Everything of the core room.
 #pragma once
 
+#include <surfleet/core/fwd.hpp>
+
 #include <surfleet/core/assert.hpp>
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/error.hpp>

@@ -2,6 +2,8 @@
 /// @file  Voronoi coverage: the plane, obstacles, unknown ground, curved surfaces; sweeps.
 #pragma once
 
+#include <surfleet/coverage/fwd.hpp>
+
 #include <surfleet/coverage/balance_regions.hpp>
 #include <surfleet/coverage/centroid.hpp>
 #include <surfleet/coverage/coverage_grid.hpp>

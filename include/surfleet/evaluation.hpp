@@ -2,6 +2,8 @@
 /// @file  Everything of the room `evaluation`: metrics, statistics, pictures, plots and reports.
 #pragma once
 
+#include <surfleet/evaluation/fwd.hpp>
+
 #include <surfleet/evaluation/color_map.hpp>
 #include <surfleet/evaluation/image.hpp>
 #include <surfleet/evaluation/m3c2.hpp>

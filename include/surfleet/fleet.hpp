@@ -2,6 +2,8 @@
 /// @file  Everything of the fleet room: planners and the missions that run them.
 #pragma once
 
+#include <surfleet/fleet/fwd.hpp>
+
 #include <surfleet/fleet/coverage_tour.hpp>
 #include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/left_reason.hpp>

@@ -2,6 +2,8 @@
 /// @file  Everything of the geometry room.
 #pragma once
 
+#include <surfleet/geometry/fwd.hpp>
+
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/curvature.hpp>
 #include <surfleet/geometry/geodesic.hpp>

@@ -2,6 +2,8 @@
 /// @file  Everything of the mapping room.
 #pragma once
 
+#include <surfleet/mapping/fwd.hpp>
+
 #include <surfleet/mapping/map_file.hpp>
 #include <surfleet/mapping/marching_cubes.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>

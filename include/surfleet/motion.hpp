@@ -2,6 +2,8 @@
 /// @file  Everything of the motion room.
 #pragma once
 
+#include <surfleet/motion/fwd.hpp>
+
 #include <surfleet/motion/collision_body.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/motion/kinematics.hpp>

@@ -2,6 +2,8 @@
 /// @file  Everything of the simulation room.
 #pragma once
 
+#include <surfleet/simulation/fwd.hpp>
+
 #include <surfleet/simulation/depth_camera.hpp>
 #include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/house.hpp>

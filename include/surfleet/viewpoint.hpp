@@ -2,6 +2,8 @@
 /// @file  Everything of the viewpoint room.
 #pragma once
 
+#include <surfleet/viewpoint/fwd.hpp>
+
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>

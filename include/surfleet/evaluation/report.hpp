@@ -159,7 +159,7 @@ figcaption { color: var(--soft); font-size: .9rem; margin-top: .35rem; }
 .scroll { overflow-x: auto; margin: 1rem 0; }
 table { border-collapse: collapse; font-size: .92rem; }
 caption { text-align: left; color: var(--soft); padding-bottom: .4rem; }
-th, td { text-align: left; padding: .3rem .8rem; border-bottom: 1px solid var(--line);
+th, td { text-align: left; padding: .3rem .55rem; border-bottom: 1px solid var(--line);
   white-space: nowrap; }
 th { font-weight: 600; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }

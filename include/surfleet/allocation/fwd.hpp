@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+/// @file  Declarations of the allocation room, for headers that only name its types.
+#pragma once
+
+namespace surfleet {
+struct AlreadyAssigned;
+struct Assignment;
+class CostMatrix;
+struct ExactTour;
+struct ExponentialUtility;
+struct FleetPlan;
+struct HamiltonianPath;
+struct LinKernighan;
+struct Route;
+struct ThreeOpt;
+struct Tour;
+struct TourProblem;
+struct TourSearch;
+struct TsplibInstance;
+}  // namespace surfleet

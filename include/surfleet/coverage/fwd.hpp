@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+/// @file  Declarations of the coverage room, for headers that only name its types.
+#pragma once
+
+namespace surfleet {
+struct BackAndForthSweep;
+class CoverageGrid;
+struct CoverageState;
+struct CoveringStrip;
+class DisCoverage;
+struct DisCoverageOptions;
+struct GaussianMixture;
+struct HybridOptions;
+struct LloydOptions;
+struct MetricField;
+struct NonconvexOptions;
+class PMedianProblem;
+class PMedianSolution;
+struct Prism;
+class PrismCoverage;
+struct ReebGraph;
+struct RoboticBandPlan;
+struct SpiralSweep;
+struct SurfaceCoverageOptions;
+struct SurfaceGraph;
+struct SurfacePartition;
+struct UniformDensity;
+struct VertexExchange;
+struct VertexSubstitution;
+struct VoronoiTessellation;
+}  // namespace surfleet

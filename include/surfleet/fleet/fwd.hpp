@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+/// @file  Declarations of the fleet room, for headers that only name its types.
+#pragma once
+
+#include <cstdint>
+
+namespace surfleet {
+struct CoverageTour;
+struct CoverageTourOptions;
+class HeadingTable;
+struct KnownSurface;
+enum class LeftReason : std::uint8_t;
+class LookLedger;
+struct LookLedgerOptions;
+class MapSight;
+struct MissionOptions;
+struct MissionProgress;
+struct MissionResult;
+struct PlanRequest;
+struct PlanResult;
+class RatePlanner;
+struct RatePlannerOptions;
+struct RobotRequest;
+struct Sighting;
+struct SightTarget;
+struct Stop;
+struct TimedConfiguration;
+struct TourPlannerOptions;
+}  // namespace surfleet

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+/// @file  Declarations of the geometry room, for headers that only name its types.
+#pragma once
+
+namespace surfleet {
+struct BoundaryPoint;
+class BoxSolid;
+class Bvh;
+struct ClosestPoint;
+struct Curvature;
+struct DepthImage;
+struct EdgeGeodesic;
+struct EuclideanMetric;
+struct FaceGeodesic;
+class GeodesicField;
+class Graph;
+class HalfEdges;
+struct HalfPlane;
+class KdTree;
+class MeshAdjacency;
+struct MeshComponents;
+struct PinholeCamera;
+struct PointCloud;
+class PointLocator;
+struct Polygon;
+class PolygonClipper;
+class PolygonGeodesics;
+struct RayHit;
+struct ShortestPaths;
+class TextScanner;
+struct TriangleMesh;
+}  // namespace surfleet

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+/// @file  Declarations of the mapping room, for headers that only name its types.
+#pragma once
+
+namespace surfleet {
+struct ConstantWeight;
+struct InverseSquareWeight;
+struct MapFileOptions;
+class MeshExtractor;
+struct MeshOptions;
+class ProjectiveUpdate;
+class RayTraversalUpdate;
+struct TsdfOptions;
+struct TsdfVoxel;
+struct VoxelGridOptions;
+class VoxelStateMap;
+struct VoxelStateOptions;
+
+template <typename Voxel, int kSide>
+class VoxelGrid;
+using TsdfMap = VoxelGrid<TsdfVoxel, 8>;
+}  // namespace surfleet

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+/// @file  Declarations of the motion room, for headers that only name its types.
+#pragma once
+
+namespace surfleet {
+struct AerialLimits;
+class AerialMotion;
+struct FollowerLimits;
+class FreeSpace;
+struct FreeSpaceOptions;
+struct LazyPrmOptions;
+class LazyPrmStar;
+struct Maneuver;
+struct ObstacleCheck;
+struct Path;
+class PathFollower;
+class ReachableSet;
+struct ShortcutOptions;
+struct Sphere;
+class TangentBug;
+struct TangentBugOptions;
+struct TrafficAgent;
+struct TrafficOptions;
+class TrafficPolicy;
+struct UnicycleLimits;
+class UnicycleMotion;
+struct UtilityCheck;
+}  // namespace surfleet

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+/// @file  Declarations of the simulation room, for headers that only name its types.
+#pragma once
+
+namespace surfleet {
+struct BumpySlopeOptions;
+struct DroneWorldOptions;
+struct JudgeReport;
+struct NoNoise;
+struct PlanarEnvironment;
+struct Scene;
+struct SceneOptions;
+class SceneSpace;
+struct StartOptions;
+struct StereoNoise;
+}  // namespace surfleet
