@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
+// requires: inspection
 // One drone or a fleet reconstructs a structure it does not know.
 //
 //   drone_inspection                                     three drones, the bundled power plant
 //   drone_inspection --scene bridge.ply --robots 5 --out out/bridge
 //   drone_inspection --scene statue --planner tsga --seed 7
-#include <sys/resource.h>
-
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "support/cli.hpp"
 #include "support/inspection.hpp"
 #include "support/inspection_report.hpp"
 

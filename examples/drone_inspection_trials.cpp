@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// requires: inspection
 // Many inspections: planners, fleet sizes and seeds; mean and spread.
 //
 //   drone_inspection_trials --scene powerplant --planners surfleet,tsga,nnb --fleets 1,3,5 --trials
@@ -11,9 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "support/cli.hpp"
 #include "support/inspection.hpp"
 #include "support/inspection_report.hpp"
 
+#include <surfleet/core/binary_io.hpp>
+#include <surfleet/evaluation/report.hpp>
 #include <surfleet/evaluation/statistics.hpp>
 
 namespace {

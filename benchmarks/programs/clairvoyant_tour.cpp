@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// requires: inspection
 // What knowing nothing costs: the coverage tour of the known scene beside a mission's path.
 //
 //   clairvoyant_tour --scene powerplant --coverage 0.9 --coverage 0.95
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "support/cli.hpp"
 #include "support/inspection.hpp"
 
 #include <surfleet/adapters/embree_ray_caster.hpp>

@@ -7,22 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
-#include <limits>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "support/inspection.hpp"
-
-#include <surfleet/adapters/png_writer.hpp>
-#include <surfleet/evaluation/color_map.hpp>
-#include <surfleet/evaluation/published_figures.hpp>
-#include <surfleet/evaluation/rasterizer.hpp>
-#include <surfleet/evaluation/report.hpp>
-#include <surfleet/evaluation/trajectory_io.hpp>
-#include <surfleet/mapping/map_file.hpp>
 
 namespace surfleet::examples {
 /// A quick look at the coverage of a map under way: the share of some thousand reference points
@@ -108,150 +99,13 @@ inline std::size_t peak_memory() {
 }
 
 /// `metrics.json`.
-inline nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,
-                                         const InspectionRun& run, const CoverageCurve& curve,
-                                         std::size_t memory) {
-  const ReconstructionMetrics& m = run.evaluation.metrics;
-  nlohmann::json milestones = nlohmann::json::object();
-  for (const double share : kMilestones) {
-    const auto at = curve.reached(share);
-    milestones[format_number(share, 2)] = at ? nlohmann::json(at->path) : nlohmann::json();
-  }
-  const auto number = [](double v) {
-    return std::isfinite(v) ? nlohmann::json(v) : nlohmann::json();
-  };
-  nlohmann::json reasons = nlohmann::json::object();
-  for (const auto& [reason, count] : run.result.reasons)
-    reasons[std::string(name_of(reason))] = count;
-  return {{"scene", site.scene.name},
-          {"planner", s.planner},
-          {"preset", s.preset},
-          {"robots", s.robots},
-          {"seed", s.seed},
-          {"voxel_m", s.voxel},
-          {"complete", run.result.complete},
-          {"completion_time_s", run.result.completion_time},
-          {"planning_time_s", run.result.planning_time},
-          {"wall_time_s", run.wall_time},
-          {"peak_memory_bytes", memory},
-          {"total_path_length_m", run.result.total_path_length()},
-          {"path_length_m", run.result.path_length},
-          {"path_to_coverage_m", milestones},
-          {"surface_coverage", m.surface_coverage},
-          {"observable_share", site.reference_share},
-          {"m3c2_mean_m", number(m.m3c2_mean_m)},
-          {"m3c2_std_m", number(m.m3c2_std_m)},
-          {"rmse_m", number(m.rmse_m)},
-          {"completeness_mean_m", number(m.completeness_mean_m)},
-          {"completeness_p95_m", number(m.completeness_p95_m)},
-          {"accuracy_mean_m", number(m.accuracy_mean_m)},
-          {"accuracy_p95_m", number(m.accuracy_p95_m)},
-          {"collisions", run.judged.collisions},
-          {"min_clearance_m", number(run.judged.min_clearance_m)},
-          {"remaining_ise", run.result.remaining},
-          {"remaining_ise_reasons", reasons},
-          {"images", run.result.images},
-          {"plans", run.result.plans},
-          {"emergency_stops", run.result.emergency_stops}};
-}
-
-namespace detail {
-inline std::vector<std::byte> view_of(const TriangleMesh& mesh, const Box3& box, double azimuth,
-                                      const std::vector<std::vector<Point3>>& paths, bool colored) {
-  Rasterizer picture(frame_box(box, azimuth, radians(28.0), 1280, 760));
-  picture.draw(mesh, colored ? MeshStyle{.light = 0.55} : MeshStyle{});
-  for (std::size_t r = 0; r < paths.size(); ++r) {
-    picture.draw_polyline(paths[r], categorical_color(r), 2.0);
-    if (!paths[r].empty())
-      picture.draw_points(std::span<const Point3>(&paths[r].front(), 1), categorical_color(r), 9.0);
-  }
-  return encode_png(picture.image());
-}
-}  // namespace detail
+nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,
+                                  const InspectionRun& run, const CoverageCurve& curve,
+                                  std::size_t memory);
 
 /// Writes everything to `out`. The reconstruction comes first, so that it is there whatever
 /// happens to the rest.
-inline void write_inspection(const std::filesystem::path& out, const InspectionSettings& s,
-                             const InspectionSite& site, const InspectionRun& run,
-                             const CoverageCurve& curve) {
-  // The reconstruction, coloured by its signed distance to the truth.
-  const double e_max = half_voxel_diagonal(s.voxel);
-  TriangleMesh colored = run.reconstruction;
-  const std::vector<double> error = signed_distances(
-      colored.vertices, site.scene.mesh, site.space.surface(), 2.0 * s.voxel, s.threads);
-  colored.colors.clear();
-  for (const double e : error) colored.colors.push_back(signed_error_color(e, e_max));
-  write_ply(run.reconstruction, out / "reconstruction.ply");
-  save_map(run.map, out / "map.sfm");
-  write_ply(colored, out / "error.ply");
-  std::vector<std::vector<Point3>> paths;
-  for (std::size_t r = 0; r < run.result.trajectories.size(); ++r) {
-    std::vector<StampedPose> poses;
-    paths.emplace_back();
-    for (const TimedConfiguration& t : run.result.trajectories[r]) {
-      poses.push_back({t.time, t.configuration.pose()});
-      paths.back().push_back(t.configuration.position);
-    }
-    write_tum(out / ("trajectory_" + std::to_string(r + 1) + ".tum"), poses);
-  }
-  const std::size_t memory = peak_memory();
-  const nlohmann::json metrics = inspection_metrics(s, site, run, curve, memory);
-  write_file(out / "metrics.json", metrics.dump(2) + "\n");
-
-  const ReconstructionMetrics& m = run.evaluation.metrics;
-  Report report("Inspection of " + site.scene.name,
-                std::to_string(s.robots) + (s.robots == 1 ? " drone" : " drones") + ", planner " +
-                    s.planner + ", seed " + std::to_string(s.seed));
-  const std::vector<KeyFigure> key{
-      {"surface coverage", format_number(100.0 * m.surface_coverage, 1) + " %",
-       "of what could be seen"},
-      {"total path", format_number(run.result.total_path_length(), 1) + " m", ""},
-      {"completion time", format_minutes(run.result.completion_time), "min:s"},
-      {"RMSE", format_number(100.0 * m.rmse_m, 2) + " cm", "M3C2 over what is covered"},
-      {"collisions", std::to_string(run.judged.collisions),
-       "least clearance " + format_number(run.judged.min_clearance_m, 2) + " m"},
-      {"elements left", std::to_string(run.result.remaining), "reasons below"}};
-  report.add_key_figures(key);
-  const Box3 box = site.scene.structure().bounds();
-  report.add_picture(detail::view_of(run.reconstruction, box, radians(-55.0), paths, false),
-                     "The reconstruction and the drones' paths");
-  report.add_picture(detail::view_of(run.reconstruction, box, radians(125.0), {}, false),
-                     "The reconstruction from the other side", true);
-  report.add_picture(detail::view_of(colored, box, radians(-55.0), {}, true),
-                     "Signed distance to the truth, saturated at e_max = " +
-                         format_number(100.0 * e_max, 1) + " cm (red outside, blue inside)",
-                     true);
-  std::vector<double> minutes, percent;
-  for (const double t : curve.time) minutes.push_back(t / 60.0);
-  for (const double c : curve.coverage) percent.push_back(100.0 * c);
-  Plot coverage{.title = "Coverage (quick probe under way)",
-                .x_label = "time [min]",
-                .y_label = "coverage [%]"};
-  coverage.add("", minutes, percent);
-  Plot work{.title = "Incomplete surface elements", .x_label = "time [min]", .y_label = "elements"};
-  work.add("", minutes, curve.incomplete);
-  Plot distance{.title = "Distance flown", .x_label = "time [min]", .y_label = "path [m]"};
-  distance.add("", minutes, curve.path);
-  report.add_plot(coverage, true);
-  report.add_plot(work, true);
-  report.add_plot(distance, true);
-  std::vector<OwnRun> own{{"this run", s.robots, s.planner, run.result.total_path_length(),
-                           run.result.completion_time, m.surface_coverage, m.m3c2_mean_m,
-                           m.m3c2_std_m, m.rmse_m}};
-  constexpr double kPublishedCoverage = 0.90;  // where most of the published runs end
-  if (const auto at = curve.reached(kPublishedCoverage)) {
-    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-    own.push_back({"this run, under way", s.robots, s.planner, at->path, at->time,
-                   kPublishedCoverage, kUnknown, kUnknown, kUnknown});
-  }
-  report.add_table(comparison_table(s.preset, own));
-  Table left{.caption = "Incomplete elements left, by reason", .columns = {"reason", "elements"}};
-  for (const auto& [reason, count] : run.result.reasons)
-    left.add_row({std::string(name_of(reason)), std::to_string(count)});
-  report.add_table(left);
-  Table all{.caption = "Metrics (metrics.json)", .columns = {"key", "value"}};
-  for (const auto& [key_name, value] : metrics.items()) all.add_row({key_name, value.dump()});
-  report.add_table(all);
-  report.write(out / "report.html");
-}
+void write_inspection(const std::filesystem::path& out, const InspectionSettings& s,
+                      const InspectionSite& site, const InspectionRun& run,
+                      const CoverageCurve& curve);
 }  // namespace surfleet::examples

@@ -46,11 +46,13 @@ inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& 
   if (name == "tsga-async") return AnyPlanner::of(TsgaPlanner(asynchronous));
   if (name == "tsga-improved") return AnyPlanner::of(ImprovedTsgaPlanner(tours));
   if (name == "makespan") return AnyPlanner::of(MakespanPlanner(tours));
-  if (name == "tours") return AnyPlanner::of(CoverPlanner(tours));
+  TourPlannerOptions reordered = tours;
+  reordered.reorder_stops = true;
+  if (name == "tours") return AnyPlanner::of(CoverPlanner(reordered));
   if (name == "rate") return AnyPlanner::of(RatePlanner(rate));
   if (name == "surfleet")
     return AnyPlanner::of(
-        RateThenTours<RatePlanner, CoverPlanner>(RatePlanner(rate), CoverPlanner(tours)));
+        RateThenTours<RatePlanner, CoverPlanner>(RatePlanner(rate), CoverPlanner(reordered)));
   throw Error("planner " + std::string(name) + ": named, but not made");
 }
 }  // namespace surfleet::examples

@@ -88,6 +88,9 @@ struct TourPlannerOptions {
   bool asynchronous = false;
   /// Whether work that a robot is on its way to is left to it, where plans are asynchronous.
   bool exclusive = true;
+  /// Whether each robot's stops are put in order once more without regard to their clusters, for
+  /// the shortest way through all of them.
+  bool reorder_stops = false;
 };
 
 /// Viewpoints at the incomplete surface, made fewer, clustered, valued by ray casting, allocated to
@@ -176,6 +179,7 @@ class TourPlanner {
           stop.targets.push_back(elements[static_cast<std::size_t>(t)].voxel);
         route.push_back(std::move(stop));
       }
+      if (options.reorder_stops) reorder(starts[k], route);
       result.routes[serve[k]] = std::move(route);
     }
     return result;
@@ -184,6 +188,23 @@ class TourPlanner {
  private:
   static constexpr int kKicksInside = 40;  ///< For the order inside a cluster.
 
+  /// The shortest open path from `start` through all stops that is found, by straight lines.
+  static void reorder(const Configuration& start, Stops& route) {
+    const int n = static_cast<int>(route.size()) + 1;
+    if (n < 4) return;
+    const auto place = [&](int i) -> const Point3& {
+      return i == 0 ? start.position
+                    : route[static_cast<std::size_t>(i - 1)].configuration.position;
+    };
+    TourProblem problem{.costs = CostMatrix(n), .open = true, .start = 0};
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < i; ++j)
+        problem.costs(i, j) = problem.costs(j, i) = (place(i) - place(j)).norm();
+    Stops ordered;
+    for (const int i : LinKernighan{}(problem).order)
+      if (i > 0) ordered.push_back(std::move(route[static_cast<std::size_t>(i - 1)]));
+    route = std::move(ordered);
+  }
   static LeftReason left_reason(NoViewReason reason) {
     switch (reason) {
       case NoViewReason::looked_at:

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "support/inspection.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "support/cli.hpp"
+#include "support/planners.hpp"
+
+#include <surfleet/evaluation/observable_surface.hpp>
+#include <surfleet/geometry/mesh_io.hpp>
+#include <surfleet/mapping/mesh_extractor.hpp>
+#include <surfleet/simulation/drone_world.hpp>
+#include <surfleet/simulation/scenes.hpp>
+
+namespace surfleet::examples {
+namespace {
+AnyPlanner planner_for(const InspectionSettings& s) {
+  TourPlannerOptions tours;
+  tours.distance = s.standoff;
+  tours.clusters = {
+      .radius = s.cluster_radius,
+      .max_radius = s.cluster_max_radius,
+      .max_extent = planner_by_name(s.planner).bounded_clusters ? 2.0 * s.cluster_max_radius : 0.0};
+  tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
+  return make_planner(s.planner, tours, {});
+}
+
+}  // namespace
+
+Scene open_scene(const InspectionSettings& s) {
+  const bool bundled = s.scene == "powerplant" || s.scene == "statue" || s.scene == "house";
+  std::optional<Box3> bounds;
+  if (!s.bounds.empty()) bounds = cli::box_from_numbers(s.bounds, "--bounds");
+  std::optional<Point3> start;
+  if (!s.start.empty()) start = Point3(s.start[0], s.start[1], s.start[2]);
+  if (!bundled) {
+    SceneOptions o;
+    o.name = std::filesystem::path(s.scene).filename().string();
+    o.bounds = bounds;
+    o.start = start;
+    o.ground = s.ground;
+    o.standoff = std::max(8.0 * s.range[1] / 8.0, 3.0 * s.radius);
+    o.radius = s.radius;
+    o.margin = s.margin;
+    return scene_from_mesh(read_mesh(s.scene), o);
+  }
+  Scene scene = scene_by_name(s.scene);
+  if (bounds) scene.bounds = *bounds;
+  if (start) {
+    const SceneSpace space(scene.mesh);
+    require(scene.bounds.contains(*start) && space.is_free(*start, s.radius),
+            "--start: inside an obstacle or outside the flight space; expected a place with " +
+                std::to_string(s.radius) + " m around it");
+    scene.station.position = *start;
+  }
+  return scene;
+}
+
+InspectionSite::InspectionSite(Scene s, const InspectionSettings& settings)
+    : scene(std::move(s)),
+      space(scene.mesh),
+      structure(scene.structure()),
+      caster(scene.mesh),
+      judge(scene.mesh) {
+  const double ratio =
+      std::tan(0.5 * radians(settings.fov[1])) / std::tan(0.5 * radians(settings.fov[0]));
+  const int height = std::max(12, static_cast<int>(std::lround(settings.image_width * ratio)));
+  camera =
+      PinholeCamera::from_fov(radians(settings.fov[0]), radians(settings.fov[1]),
+                              settings.image_width, height, settings.range[0], settings.range[1]);
+}
+
+std::vector<Configuration> InspectionSite::starts(const InspectionSettings& settings,
+                                                  int robots) const {
+  return starting_places(scene, space, robots,
+                         {.radius = settings.radius, .margin = settings.margin});
+}
+
+void InspectionSite::find_reference(const InspectionSettings& settings, const Point3& start) {
+  const SurfaceSamples all =
+      sample_surface(scene.structure(), {.density = 3.0 / (settings.voxel * settings.voxel)});
+  std::vector<std::uint8_t> inside(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    inside[i] = scene.region.contains(all.cloud.points[i]) ? 1 : 0;
+  const SurfaceSamples samples = select(all, inside);
+  const ReachableLattice lattice(space.surface(), {.bounds = scene.bounds,
+                                                   .start = start,
+                                                   .radius = settings.radius,
+                                                   .spacing = 0.1 * settings.range[1]});
+  ObservabilityOptions o;
+  o.camera = camera;
+  o.threads = settings.threads;
+  const ObservableSurface seen = observable_surface(samples.cloud, caster, lattice, o);
+  reference = select(samples, seen.visible).cloud;
+  reference_share = seen.fraction();
+  area_per_sample = samples.area_per_sample;
+}
+
+MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site,
+                               const std::vector<Configuration>& starts) {
+  MissionOptions o;
+  o.camera = site.camera;
+  o.voxel_size = s.voxel;
+  o.known_weight = s.known_weight;
+  o.tsdf.truncation = 3.0 * s.voxel;
+  o.body_radius = s.radius;
+  o.margin = s.margin;
+  // The operator knows the place he starts from: nothing of the structure is nearer than this to
+  // any start, as far as it takes until the camera's image is as high as the body.
+  const double needed = s.radius + s.margin + s.voxel;
+  o.start_clearance = needed / std::sin(0.5 * radians(s.fov[1])) + 1.5 * s.voxel;
+  for (const Configuration& q : starts)
+    o.start_clearance = std::min(o.start_clearance, site.structure.distance(q.position));
+  o.limits.speed = s.speed;
+  o.image_period = 1.0 / s.rate;
+  o.utility_share = std::min(s.utility_share, planner_by_name(s.planner).utility_share);
+  o.looks.max_looks = s.max_looks;
+  o.region = site.scene.region;
+  o.bounds = site.scene.bounds;
+  if (site.scene.has_ground)
+    o.bounds.min().z() = std::max(o.bounds.min().z(), site.scene.ground_z + s.radius + s.margin);
+  o.max_time = s.max_time;
+  o.threads = s.threads;
+  o.seed = s.seed;
+  return o;
+}
+
+InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
+                             const InspectionProgress& progress) {
+  const std::vector<Configuration> starts = site.starts(s, s.robots);
+  DroneWorld<EmbreeRayCaster> world(
+      site.caster, site.camera, forward_camera_mount(),
+      {.noise = s.noise, .body_radius = 0.5 * s.radius, .seed = s.seed});
+  Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site, starts), world,
+                                                           starts, planner_for(s));
+  InspectionRun run;
+  const auto before = std::chrono::steady_clock::now();
+  mission.on_progress = [&](const MissionProgress& p) { return progress(p, mission.map()); };
+  run.result = mission.run();
+  run.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+  run.map = mission.take_map();
+  const TriangleMesh surface = extract_mesh(run.map, {.min_weight = 1e-6});
+  run.reconstruction = cropped(surface, site.scene.region);
+  std::vector<std::vector<Point3>> paths;
+  for (const auto& trajectory : run.result.trajectories) {
+    paths.emplace_back();
+    for (const TimedConfiguration& t : trajectory) paths.back().push_back(t.configuration.position);
+  }
+  run.judged = judge_paths(site.judge, paths, s.radius);
+  if (site.reference.points.empty()) site.find_reference(s, starts.front().position);
+  EvaluationOptions e;
+  e.e_max = half_voxel_diagonal(s.voxel);
+  e.threads = s.threads;
+  const MeasuredSurface truth = MeasuredSurface::from(site.scene.structure(), e);
+  run.evaluation = evaluate(site.reference, truth, MeasuredSurface::from(run.reconstruction, e), e);
+  return run;
+}
+}  // namespace surfleet::examples
