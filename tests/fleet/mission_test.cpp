@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/fleet/mission.hpp>
 
+#include <algorithm>
+#include <array>
+
 #include "box_world.hpp"
 #include "check.hpp"
 
@@ -100,6 +103,79 @@ TEST(a_planner_without_plans_ends_the_mission_with_reasons) {
   CHECK(result.complete);
   CHECK(result.remaining > 0);
   CHECK(result.reasons.at(LeftReason::not_attempted) == result.remaining);
+}
+/// Where nobody can be, for so many plans; then what a planner that works says.
+struct NowhereFirst {
+  int wrong = 0;
+  int* calls = nullptr;
+  RatePlanner then;
+  PlanResult operator()(const PlanRequest& request) {
+    if (++*calls > wrong) return then(request);
+    PlanResult r;
+    Stop inside_the_box{{box_world::box().center(), 0.0}, {}};
+    for (const IncompleteElement& e :
+         request.work.first(std::min<std::size_t>(5, request.work.size())))
+      inside_the_box.targets.push_back(e.voxel);
+    r.routes.assign(request.robots.size(), Stops{inside_the_box});
+    return r;
+  }
+};
+TEST(a_plan_that_cannot_be_flown_is_not_the_last_word) {
+  for (const int wrong : {2, 1000000}) {
+    int calls = 0;
+    World world;
+    Mission<NowhereFirst, World> mission(box_world::options(world), world, box_world::starts(1),
+                                         NowhereFirst{wrong, &calls, RatePlanner()});
+    const MissionResult result = mission.run();
+    CHECK(result.complete);
+    if (wrong == 2) {
+      CHECK(result.path_length[0] > 5.0);  // asked again, and flown after all
+    } else {
+      CHECK(result.path_length[0] < 1.0);  // no use in asking for ever
+      CHECK(calls < 20);
+    }
+  }
+}
+/// The same tours with and without a last ordering of their stops.
+struct Twice {
+  TsgaPlanner as_clustered{tour_options()}, reordered{tour_options()};
+  double* saved = nullptr;
+  PlanResult operator()(const PlanRequest& request) {
+    reordered.options.reorder_stops = true;
+    const PlanResult a = as_clustered(request);
+    PlanResult b = reordered(request);
+    const auto places = [](const Stops& route) {
+      std::vector<std::array<double, 4>> list;
+      for (const Stop& s : route) {
+        const Point3& p = s.configuration.position;
+        list.push_back({p.x(), p.y(), p.z(), s.configuration.yaw});
+      }
+      std::sort(list.begin(), list.end());
+      return list;
+    };
+    for (std::size_t r = 0; r < request.robots.size(); ++r) {
+      CHECK(a.routes[r].has_value() == b.routes[r].has_value());
+      if (!a.routes[r]) continue;
+      CHECK(places(*a.routes[r]) == places(*b.routes[r]));
+      const auto length = [&](const Stops& route) {
+        std::vector<Point3> points{request.robots[r].configuration.position};
+        for (const Stop& s : route) points.push_back(s.configuration.position);
+        return polyline_length(points);
+      };
+      CHECK(length(*b.routes[r]) <= length(*a.routes[r]) + 1e-9);
+      *saved += length(*a.routes[r]) - length(*b.routes[r]);
+    }
+    return b;
+  }
+};
+TEST(reordered_stops_are_the_same_stops_on_a_shorter_way) {
+  double saved = 0.0;
+  World world;
+  Twice planner;
+  planner.saved = &saved;
+  Mission<Twice, World> mission(box_world::options(world), world, box_world::starts(2), planner);
+  CHECK(mission.run().complete);
+  CHECK(saved > 0.5);
 }
 TEST(progress_can_end_a_mission) {
   World world;
