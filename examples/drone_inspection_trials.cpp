@@ -99,7 +99,7 @@ int run(int argc, char** argv) {
               return !cli::interrupted();
             });
         complete = complete && one.result.complete;
-        all.push_back(inspection_metrics(s, site, one, watch.curve(), peak_memory()));
+        all.push_back(inspection_metrics(s, site, one, watch.curve()));
         path.push_back(one.result.total_path_length());
         for (std::size_t i = 0; i < kMilestones.size(); ++i)
           if (const auto at = watch.curve().reached(kMilestones[i]))

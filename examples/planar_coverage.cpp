@@ -2,8 +2,6 @@
 /// @file  Voronoi coverage of polygons: convex, with obstacles, unknown; and the hybrid variants
 /// that
 ///        deploy robots and sweep the ground [004 ch. 3-5].
-#include <sys/resource.h>
-
 #include <chrono>
 #include <cstdint>
 #include <fstream>
@@ -26,6 +24,7 @@
 #include <surfleet/simulation/planar_environments.hpp>
 
 #include "support/cli.hpp"
+#include "support/peak_memory.hpp"
 #include "support/planar_picture.hpp"
 
 namespace {
@@ -400,8 +399,6 @@ int run(int argc, char** argv) {
     lengths.push_back(path_length(track));
     total += path_length(track);
   }
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
   Json metrics{{"scene", world.name},
                {"mode", s.mode},
                {"robots", n},
@@ -422,7 +419,7 @@ int run(int argc, char** argv) {
   for (const auto& [key, value] : out.extra.items()) metrics[key] = value;
   metrics["wall_time_s"] =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  metrics["peak_memory_bytes"] = static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+  metrics["peak_memory_bytes"] = examples::peak_memory();
   write_file(folder / "metrics.json", std::string_view(metrics.dump(2) + "\n"));
 
   cli::PlanarPicture picture(world.domain);

@@ -4,8 +4,6 @@
 //   surface_coverage                                       ten robots on the bumpy slope
 //   surface_coverage --scene steam_chest --robots 5 --coordinator exchange
 //   surface_coverage --scene tank.ply --robots 8 --sweep-range 20 --out out/tank
-#include <sys/resource.h>
-
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -31,6 +29,7 @@
 #include <surfleet/simulation/surfaces.hpp>
 
 #include "support/cli.hpp"
+#include "support/peak_memory.hpp"
 
 namespace {
 using namespace surfleet;
@@ -436,8 +435,6 @@ int run(int argc, char** argv) {
   double total = 0.0, transfer = 0.0;
   for (const double l : lengths) total += l;
   for (const double l : transfers) transfer += l;
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
   const nlohmann::json none;
   nlohmann::json metrics{
       {"scene", s.scene},
@@ -472,7 +469,7 @@ int run(int argc, char** argv) {
       {"completion_time_s", completion},
       {"planning_time_s", planning},
       {"wall_time_s", seconds()},
-      {"peak_memory_bytes", static_cast<std::size_t>(usage.ru_maxrss) * 1024}};
+      {"peak_memory_bytes", examples::peak_memory()}};
   write_file(out / "metrics.json", metrics.dump(2) + "\n");
   const TriangleMesh regions_mesh = colored(d.regions);
   write_ply(regions_mesh, out / "regions.ply");

@@ -45,7 +45,7 @@ Scene open_scene(const InspectionSettings& s) {
     o.bounds = bounds;
     o.start = start;
     o.ground = s.ground;
-    o.standoff = std::max(8.0 * s.range[1] / 8.0, 3.0 * s.radius);
+    o.standoff = std::max(s.range[1], 3.0 * s.radius);
     o.radius = s.radius;
     o.margin = s.margin;
     return scene_from_mesh(read_mesh(s.scene), o);

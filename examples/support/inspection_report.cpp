@@ -8,6 +8,7 @@
 #include <string>
 
 #include "support/cli.hpp"
+#include "support/peak_memory.hpp"
 
 #include <surfleet/adapters/png_writer.hpp>
 #include <surfleet/evaluation/color_map.hpp>
@@ -20,8 +21,7 @@
 
 namespace surfleet::examples {
 nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,
-                                  const InspectionRun& run, const CoverageCurve& curve,
-                                  std::size_t memory) {
+                                  const InspectionRun& run, const CoverageCurve& curve) {
   const ReconstructionMetrics& m = run.evaluation.metrics;
   nlohmann::json milestones = nlohmann::json::object();
   for (const double share : kMilestones) {
@@ -44,7 +44,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"completion_time_s", run.result.completion_time},
           {"planning_time_s", run.result.planning_time},
           {"wall_time_s", run.wall_time},
-          {"peak_memory_bytes", memory},
+          {"peak_memory_bytes", peak_memory()},
           {"total_path_length_m", run.result.total_path_length()},
           {"path_length_m", run.result.path_length},
           {"path_to_coverage_m", milestones},
@@ -103,8 +103,7 @@ void write_inspection(const std::filesystem::path& out, const InspectionSettings
     }
     write_tum(out / ("trajectory_" + std::to_string(r + 1) + ".tum"), poses);
   }
-  const std::size_t memory = peak_memory();
-  const nlohmann::json metrics = inspection_metrics(s, site, run, curve, memory);
+  const nlohmann::json metrics = inspection_metrics(s, site, run, curve);
   write_file(out / "metrics.json", metrics.dump(2) + "\n");
 
   const ReconstructionMetrics& m = run.evaluation.metrics;

@@ -2,8 +2,6 @@
 /// @file  What an inspection leaves behind: metrics, meshes, trajectories, pictures, a report.
 #pragma once
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -91,17 +89,9 @@ class CoverageWatch {
 };
 constexpr std::array<double, 3> kMilestones{0.90, 0.95, 0.98};  ///< Shares whose path is reported.
 
-/// The largest memory this process has had [bytes].
-inline std::size_t peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
-}
-
 /// `metrics.json`.
 nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,
-                                  const InspectionRun& run, const CoverageCurve& curve,
-                                  std::size_t memory);
+                                  const InspectionRun& run, const CoverageCurve& curve);
 
 /// Writes everything to `out`. The reconstruction comes first, so that it is there whatever
 /// happens to the rest.

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/lin_kernighan.hpp>
 #include <surfleet/core/error.hpp>
 #include <surfleet/fleet/flight_lattice.hpp>
@@ -94,7 +95,6 @@ class CoverageTourPlanner {
 
  private:
   struct Candidate {
-    Point3 position;
     std::size_t site = 0;
     int heading = 0;
     std::vector<std::int32_t> seen;
@@ -115,7 +115,7 @@ class CoverageTourPlanner {
       const std::vector<Sighting> seen = targets_.seen_from(site.position);
       for (const Sighting& s : seen) reachable_[static_cast<std::size_t>(s.target)] = 1;
       for (int k = 0; k < kHeadings && !seen.empty(); ++k) {
-        Candidate c{site.position, sites_.size(), k, {}};
+        Candidate c{sites_.size(), k, {}};
         for (const Sighting& s : seen)
           if ((s.headings >> k & 1U) != 0U) c.seen.push_back(s.target);
         if (!c.seen.empty()) candidates_.push_back(std::move(c));
@@ -144,13 +144,8 @@ class CoverageTourPlanner {
     if (a == b) return 0.0;
     const auto [it, fresh] = lengths_.try_emplace(std::minmax(a, b), 0.0);
     if (fresh) {
-      const Point3 &p = sites_[it->first.first], &q = sites_[it->first.second];
-      if (space_.is_free_segment(p, q)) {
-        it->second = (q - p).norm();
-      } else {
-        const auto path = roadmap_.query(p, q);
-        it->second = path ? path->length : kNoWay;
-      }
+      const auto path = roadmap_.query(sites_[it->first.first], sites_[it->first.second]);
+      it->second = path ? path->length : kNoWay;
     }
     return it->second;
   }
@@ -214,7 +209,7 @@ class CoverageTourPlanner {
   };
   void shorten(Detour& d, std::size_t candidate, std::size_t k,
                std::span<const double> legs) const {
-    const Point3& p = candidates_[candidate].position;
+    const Point3& p = sites_[candidates_[candidate].site];
     double extra = (p - place(k)).norm();
     if (k < stops_.size()) extra += (place(k + 1) - p).norm() - legs[k];
     if (extra < d.extra) d = {extra, k};
@@ -233,10 +228,10 @@ class CoverageTourPlanner {
   void improve_order() {
     const std::size_t n = stops_.size() + 1;
     if (n < 4) return;
-    TourProblem problem{.costs = CostMatrix(static_cast<int>(n)), .open = true, .start = 0};
+    CostMatrix lengths(static_cast<int>(n));
     const auto set = [&](std::size_t i, std::size_t j, double length) {
       const int a = static_cast<int>(i), b = static_cast<int>(j);
-      problem.costs(a, b) = problem.costs(b, a) = length;
+      lengths(a, b) = lengths(b, a) = length;
     };
     std::vector<std::pair<double, std::size_t>> near;
     for (std::size_t i = 0; i < n; ++i)  // far pairs never become neighbours of a good tour
@@ -252,9 +247,8 @@ class CoverageTourPlanner {
         set(i, near[k].second, distance(site(i), site(near[k].second)));
     }
     for (std::size_t k = 0; k + 1 < n; ++k) set(k, k + 1, distance(site(k), site(k + 1)));
-    const Tour tour = LinKernighan{}(problem);
     std::vector<std::size_t> next;
-    for (const int i : tour.order)
+    for (const int i : shortest_hamiltonian_path(lengths, 0, LinKernighan{}).order)
       if (i > 0) next.push_back(stops_[static_cast<std::size_t>(i) - 1]);
     stops_ = std::move(next);
   }
@@ -316,8 +310,7 @@ class CoverageTourPlanner {
   void fly(CoverageTour& tour) {
     tour.path.push_back(start_.position);
     for (std::size_t k = 0; k < stops_.size(); ++k) {
-      const Candidate& c = candidates_[stops_[k]];
-      tour.viewpoints.push_back({c.position, heading_angle(c.heading)});
+      tour.viewpoints.push_back({place(k + 1), heading_angle(candidates_[stops_[k]].heading)});
       if (const auto path = roadmap_.query(place(k), place(k + 1)))
         tour.path.insert(tour.path.end(), path->points.begin() + 1, path->points.end());
     }

@@ -60,6 +60,11 @@ struct StoredState {
 };
 static_assert(VoxelStateTest<TsdfStateTest, TsdfVoxel> && VoxelStateTest<StoredState, VoxelState>);
 
+namespace detail {
+/// The i-th of the 27 offsets in a cube of three, x fastest.
+inline VoxelIndex neighbor_offset(int i) { return {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1}; }
+}  // namespace detail
+
 /// An empty voxel on the border between the surface and the unknown.
 struct IncompleteElement {
   VoxelIndex voxel = VoxelIndex::Zero();
@@ -79,8 +84,7 @@ struct IncompleteElement {
   template <typename Fn>
   bool any_unknown(Fn&& fn) const {
     for (std::uint32_t bits = unknown; bits != 0; bits &= bits - 1) {
-      const int i = std::countr_zero(bits);
-      if (fn(VoxelIndex(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1))) return true;
+      if (fn(detail::neighbor_offset(std::countr_zero(bits)))) return true;
     }
     return false;
   }
@@ -156,7 +160,7 @@ class BasicIncompleteSurface {
     for (const auto& [index, sides] : reached_) {
       for (int i = 0; i < 27; ++i) {
         if ((sides >> i & 1U) == 0) continue;
-        const std::uint32_t slot = records_.find_slot(index + neighbor_offset(i));
+        const std::uint32_t slot = records_.find_slot(index + detail::neighbor_offset(i));
         if (slot != Records::kNone) touch(slot);
       }
     }
@@ -223,9 +227,6 @@ class BasicIncompleteSurface {
   }
   static constexpr int neighbor_slot(int dx, int dy, int dz) {
     return (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1);
-  }
-  static BlockIndex neighbor_offset(int slot) {
-    return {slot % 3 - 1, slot / 3 % 3 - 1, slot / 9 - 1};
   }
 
   void touch(std::uint32_t slot) {
@@ -308,7 +309,8 @@ class BasicIncompleteSurface {
       std::array<const Record*, 27> around;
       unsigned any_occupied = 0;
       for (int i = 0; i < 27; ++i) {
-        const Record* r = i == 13 ? &record : records_.find(block.index + neighbor_offset(i));
+        const Record* r =
+            i == 13 ? &record : records_.find(block.index + detail::neighbor_offset(i));
         around[static_cast<std::size_t>(i)] = r == nullptr ? &kUnknown : r;
         any_occupied |= r == nullptr ? 0U : r->any_occupied;
       }
@@ -369,7 +371,7 @@ class BasicIncompleteSurface {
   static std::uint32_t neighbors_in(const PaddedBits& unknown, int x, int y, int z) {
     std::uint32_t bits = 0;
     for (int i = 0; i < 27; ++i) {
-      const BlockIndex d = neighbor_offset(i);
+      const BlockIndex d = detail::neighbor_offset(i);
       if (i == 13 || !Unknown::contains(d.x(), d.y(), d.z())) continue;
       const unsigned row = unknown[padded_row(y + d.y(), z + d.z())];
       bits |= (row >> (x + 1 + d.x()) & 1U) << i;
