@@ -14,3 +14,4 @@
 #include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
+#include <surfleet/fleet/worth_around.hpp>

@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: MIT
+#include <limits>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include <surfleet/core/random.hpp>
 #include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
+#include <surfleet/fleet/worth_around.hpp>
 
 #include "check.hpp"
 
@@ -51,6 +58,72 @@ TEST(lattice_search_stops_when_told_and_finds_nothing_when_shut_in) {
     CHECK(false);
     return true;
   });
+}
+
+TEST(lattice_search_goes_on_beyond_passages_too_narrow_for_it) {
+  // Two rooms; only the caller knows of a way between them.
+  struct Wall {
+    bool is_free(const Point3& p) const { return !(p.x() > 4.0 && p.x() < 5.0); }
+    bool is_free_segment(const Point3& a, const Point3& b) const {
+      return (a.x() <= 4.0) == (b.x() <= 4.0);
+    }
+  } wall;
+  const FlightLattice<Wall> lattice(wall, {Point3(0, 0, 0), Point3(10, 4, 2)}, 1.0);
+  const auto count = [&](auto&& ways) {
+    std::size_t here = 0, beyond = 0;
+    double nearest = 1e9;
+    lattice.search(
+        {1, 1, 1},
+        [&](const auto& site) {
+          CHECK(site.position.x() <= 4.0 ? beyond == 0 : here == 5 * 5 * 3);
+          ++(site.position.x() <= 4.0 ? here : beyond);
+          if (site.position.x() > 4.0) nearest = std::min(nearest, site.distance);
+          return true;
+        },
+        ways);
+    return std::tuple(here, beyond, nearest);
+  };
+  const auto none = [](std::span<const Point3> places) {
+    CHECK(places.size() == 6 * 5 * 3);
+    return std::vector<double>(places.size(), std::numeric_limits<double>::infinity());
+  };
+  CHECK(count(none) == std::tuple(75, 0, 1e9));
+  // One node of the other room can be flown to: the search has the rest from there.
+  const auto one = [](std::span<const Point3> places) {
+    std::vector<double> lengths(places.size(), std::numeric_limits<double>::infinity());
+    lengths[places.size() / 2] = 7.5;
+    return lengths;
+  };
+  CHECK(count(one) == std::tuple(75, 90, 7.5));
+}
+
+TEST(worth_around_bounds_what_a_look_can_see) {
+  Random random(3);
+  std::vector<SightTarget> targets;
+  for (int i = 0; i < 300; ++i) {
+    SightTarget t;
+    t.position = Point3(random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9));
+    t.worth = random.uniform(0.1, 2.0);
+    targets.push_back(t);
+  }
+  const double reach = 2.5;
+  const WorthAround around(targets, reach);
+  double most = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const Point3 p(random.uniform(-11, 11), random.uniform(-11, 11), random.uniform(-11, 11));
+    double ball = 0.0, cube = 0.0;
+    const Eigen::Array3i cell = (p / reach).array().floor().cast<int>();
+    for (const SightTarget& t : targets) {
+      if ((t.position - p).norm() <= reach) ball += t.worth;
+      const Eigen::Array3i c = (t.position / reach).array().floor().cast<int>();
+      if ((c - cell).abs().maxCoeff() <= 1) cube += t.worth;
+    }
+    CHECK(around(p) >= ball - 1e-9);
+    CHECK(std::abs(around(p) - cube) < 1e-9);
+    most = std::max(most, cube);
+  }
+  CHECK(around.largest() >= most - 1e-9);
+  CHECK(WorthAround({}, 1.0).largest() == 0.0 && WorthAround({}, 1.0)({0, 0, 0}) == 0.0);
 }
 
 TEST(ledger_gives_up_after_so_many_looks) {

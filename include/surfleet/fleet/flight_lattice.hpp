@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <queue>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -54,6 +56,15 @@ class FlightLattice {
   /// `start` until it returns false. O(visited · log visited).
   template <typename Visit>
   void search(const Point3& start, Visit&& visit) const {
+    search(start, visit, [](std::span<const Point3> places) {
+      return std::vector<double>(places.size(), std::numeric_limits<double>::infinity());
+    });
+  }
+  /// The same, and when that is done goes on beyond passages too narrow for the lattice:
+  /// `ways(std::span<const Point3>)` gives the lengths of the ways from `start` to the free nodes
+  /// that were not met, infinite where there is none [m]. It is called once at most.
+  template <typename Visit, typename Ways>
+  void search(const Point3& start, Visit&& visit, Ways&& ways) const {
     struct Entry {
       double distance;
       std::size_t index;
@@ -87,27 +98,48 @@ class FlightLattice {
             best[i] = static_cast<float>(d);
             open.push({d, i, c});
           }
-    while (!open.empty()) {
-      const Entry e = open.top();
-      open.pop();
-      if (closed[e.index] != 0) continue;
-      closed[e.index] = 1;
-      if (!visit(Site{e.cell, position(e.cell), e.distance})) return;
-      for (int z = -1; z <= 1; ++z)
-        for (int y = -1; y <= 1; ++y)
-          for (int x = -1; x <= 1; ++x) {
-            const VoxelIndex step(x, y, z), c = e.cell + step;
-            if (step.isZero() || !inside(c)) continue;
-            const std::size_t i = index(c);
-            if (closed[i] != 0) continue;
-            const double d =
-                e.distance + spacing_ * std::sqrt(static_cast<double>(step.squaredNorm()));
-            if (static_cast<float>(d) >= best[i] || !is_free(c, i)) continue;
-            if (!free_->is_free_segment(position(e.cell), position(c))) continue;
-            best[i] = static_cast<float>(d);
-            open.push({d, i, c});
-          }
-    }
+    const auto expand = [&] {
+      while (!open.empty()) {
+        const Entry e = open.top();
+        open.pop();
+        if (closed[e.index] != 0) continue;
+        closed[e.index] = 1;
+        if (!visit(Site{e.cell, position(e.cell), e.distance})) return false;
+        for (int z = -1; z <= 1; ++z)
+          for (int y = -1; y <= 1; ++y)
+            for (int x = -1; x <= 1; ++x) {
+              const VoxelIndex step(x, y, z), c = e.cell + step;
+              if (step.isZero() || !inside(c)) continue;
+              const std::size_t i = index(c);
+              if (closed[i] != 0) continue;
+              const double d =
+                  e.distance + spacing_ * std::sqrt(static_cast<double>(step.squaredNorm()));
+              if (static_cast<float>(d) >= best[i] || !is_free(c, i)) continue;
+              if (!free_->is_free_segment(position(e.cell), position(c))) continue;
+              best[i] = static_cast<float>(d);
+              open.push({d, i, c});
+            }
+      }
+      return true;
+    };
+    if (!expand()) return;
+    // What the lattice does not join to the start.
+    std::vector<VoxelIndex> rest;
+    std::vector<Point3> places;
+    for (int z = 0; z < count_.z(); ++z)
+      for (int y = 0; y < count_.y(); ++y)
+        for (int x = 0; x < count_.x(); ++x) {
+          const VoxelIndex c(x, y, z);
+          const std::size_t i = index(c);
+          if (closed[i] != 0 || !is_free(c, i)) continue;
+          rest.push_back(c);
+          places.push_back(position(c));
+        }
+    if (rest.empty()) return;
+    const std::vector<double> lengths = ways(std::span<const Point3>(places));
+    for (std::size_t k = 0; k < rest.size(); ++k)
+      if (std::isfinite(lengths[k])) open.push({lengths[k], index(rest[k]), rest[k]});
+    expand();
   }
 
  private:

@@ -26,4 +26,5 @@ struct SightTarget;
 struct Stop;
 struct TimedConfiguration;
 struct TourPlannerOptions;
+class WorthAround;
 }  // namespace surfleet

@@ -13,20 +13,21 @@
 #include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/plan.hpp>
 #include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/fleet/worth_around.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>
 
 namespace surfleet {
 struct RatePlannerOptions {
-  double stop_cost = 3.0;         ///< What a stop costs beside its flight [m].
-  double turn_cost = 0.4;         ///< What turning costs [m/rad].
+  double stop_cost = 1.0;         ///< What a stop costs beside its flight [m].
+  double turn_cost = 0.1;         ///< What turning costs [m/rad].
   double spacing_share = 0.15;    ///< Lattice spacing over the camera's range.
   double sight_share = 0.85;      ///< Farthest look that counts, over the camera's range.
   double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
   double prediction_worth = 0.6;  ///< Worth of predicted surface beside surface at hand.
   int stops = 2;                  ///< Stops planned ahead for each robot.
-  /// The search goes on until no stop could be better that sees at most this many times what the
-  /// best seen so far does.
-  double jackpot = 2.5;
+  /// What one look is thought to see at the most of the worth around a place: where that much would
+  /// not pay for the way, no look is tried. 1 makes the search exact.
+  double view_share = 0.25;
 };
 
 /// Greedy flights by marginal rate.
@@ -34,10 +35,10 @@ struct RatePlannerOptions {
 /// What is worth seeing is the incomplete surface and the surface predicted to go on behind it. A
 /// stop is a node of the flight lattice and a heading; its rate is what it sees and nobody else
 /// was sent to see, over the metres it costs. Each robot in turn, the best first, is given the
-/// stop of the highest rate. The search goes outward from the robot and ends when no stop farther
-/// away is likely to do better. Plans are made anew at every stop. Where the published method
-/// commits to a tour over what is known, this one is paid for by what the next flight will
-/// discover. What was looked at in vain once, it leaves to others.
+/// stop of the highest rate. The search goes outward from the robot, leaves out what is worth too
+/// little for the way, and ends when all the rest is. Plans are made anew at every stop. Where the
+/// published method commits to a tour over what is known, this one is paid for by what the next
+/// flight will discover. What was looked at in vain once, it leaves to others.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -46,6 +47,8 @@ class RatePlanner {
 
   /// The rate of the best stop given out by the last call [m²/m]; 0 if there was none.
   double last_rate() const { return last_rate_; }
+  /// The most that any look tried by the last call would have shown [m²].
+  double broadest_look() const { return broadest_; }
 
   PlanResult operator()(const PlanRequest& request) {
     const double range = request.camera.max_range;
@@ -53,9 +56,11 @@ class RatePlanner {
                                {.max_distance = options.sight_share * range});
     const FlightLattice<FreeSpace> lattice(request.free_space, request.free_space.options().bounds,
                                            options.spacing_share * range);
+    const WorthAround around(targets.all(), targets.reach());
+    const Search search{request, lattice, targets, around};
     sites_.clear();
     std::vector<char> done(targets.size(), 0);
-    most_ = 0.0;
+    broadest_ = 0.0;
 
     PlanResult result;
     result.routes.resize(request.robots.size());
@@ -72,8 +77,7 @@ class RatePlanner {
       std::optional<Candidate> best;
       std::size_t who = 0;
       for (std::size_t w = 0; w < waiting.size(); ++w) {
-        const auto c = best_stop(request.free_space, lattice, targets, done,
-                                 request.robots[waiting[w]].configuration);
+        const auto c = best_stop(search, done, request.robots[waiting[w]].configuration);
         if (c && (!best || c->rate > best->rate)) {
           best = c;
           who = w;
@@ -85,7 +89,7 @@ class RatePlanner {
       Configuration at = best->configuration;
       route.push_back(make_stop(request, *best, done));
       for (int s = 1; s < options.stops; ++s) {
-        const auto next = best_stop(request.free_space, lattice, targets, done, at);
+        const auto next = best_stop(search, done, at);
         if (!next || next->rate < 0.5 * best->rate) break;
         at = next->configuration;
         route.push_back(make_stop(request, *next, done));
@@ -101,6 +105,12 @@ class RatePlanner {
   }
 
  private:
+  struct Search {
+    const PlanRequest& request;
+    const FlightLattice<FreeSpace>& lattice;
+    const SightTargets<>& targets;
+    const WorthAround& around;
+  };
   struct Candidate {
     Configuration configuration;
     double rate = 0.0;
@@ -152,12 +162,11 @@ class RatePlanner {
 
   static constexpr double kEscape = 2.0;  ///< How far that may be [m].
 
-  std::optional<Candidate> best_stop(const FreeSpace& space,
-                                     const FlightLattice<FreeSpace>& lattice,
-                                     const SightTargets<>& targets, std::span<const char> done,
+  std::optional<Candidate> best_stop(const Search& s, std::span<const char> done,
                                      const Configuration& from) {
     std::optional<Candidate> best;
-    if (targets.size() == 0) return best;
+    if (s.targets.size() == 0) return best;
+    const FreeSpace& space = s.request.free_space;
     // A robot beside what has since turned out to be an obstacle first leaves for free space.
     const Point3 start = space.is_free(from.position)
                              ? from.position
@@ -166,32 +175,39 @@ class RatePlanner {
     for (int k = 0; k < kHeadings; ++k)
       turn[static_cast<std::size_t>(k)] =
           options.turn_cost * std::abs(wrap_angle(heading_angle(k) - from.yaw));
-    lattice.search(start, [&](const auto& site) {
+    const auto visit = [&](const auto& site) {
       const double cost = site.distance + options.stop_cost;
-      if (best && options.jackpot * most_ <= best->rate * cost) return false;
-      View& view = view_from(targets, lattice.index(site.cell), site.position);
+      const auto pays = [&](double worth) {
+        return !best || options.view_share * worth > best->rate * cost;
+      };
+      if (!pays(s.around.largest())) return false;
+      if (!pays(s.around(site.position))) return true;
+      View& view = view_from(s.targets, s.lattice.index(site.cell), site.position);
       const auto better = [&](std::size_t k, double worth) {
         return worth > 0.0 && (!best || worth > best->rate * (cost + turn[k]));
       };
-      auto worth = worth_by_heading(targets, view.seen, done);
+      auto worth = worth_by_heading(s.targets, view.seen, done);
       if (!view.in_sight) {
         // Rays are cast only where the view could be the best if nothing were in its way.
         bool promising = false;
         for (std::size_t k = 0; k < kHeadings; ++k) promising |= better(k, worth[k]);
         if (!promising) return true;
-        targets.keep_in_sight(site.position, view.seen);
+        s.targets.keep_in_sight(site.position, view.seen);
         view.in_sight = true;
-        worth = worth_by_heading(targets, view.seen, done);
+        worth = worth_by_heading(s.targets, view.seen, done);
       }
       for (std::size_t k = 0; k < kHeadings; ++k) {
-        most_ = std::max(most_, worth[k]);
+        broadest_ = std::max(broadest_, worth[k]);
         if (better(k, worth[k]))
           best = Candidate{{site.position, heading_angle(static_cast<int>(k))},
                            worth[k] / (cost + turn[k]),
-                           lattice.index(site.cell),
+                           s.lattice.index(site.cell),
                            static_cast<int>(k)};
       }
       return true;
+    };
+    s.lattice.search(start, visit, [&](std::span<const Point3> places) {
+      return s.request.roadmap.distances(start, places);
     });
     return best;
   }
@@ -218,7 +234,7 @@ class RatePlanner {
 
   std::unordered_map<std::size_t, View> sites_;
   std::vector<std::vector<std::int32_t>> members_;  // elements by target
-  double most_ = 0.0;                               // the worthiest view met in this call
+  double broadest_ = 0.0;
   double last_rate_ = 0.0;
 };
 }  // namespace surfleet

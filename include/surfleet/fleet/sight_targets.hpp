@@ -179,6 +179,8 @@ class SightTargets {
   std::size_t size() const { return targets_.size(); }
   const SightTarget& operator[](std::size_t i) const { return targets_[i]; }
   std::span<const SightTarget> all() const { return targets_; }
+  /// Farthest look that counts [m].
+  double reach() const { return cell_; }
 
   /// The targets that would be in view from `p` if nothing were in the way. O(targets within two
   /// ranges).

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <surfleet/allocation/greedy_allocator.hpp>
+#include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/improve_allocation.hpp>
 #include <surfleet/fleet/plan.hpp>
 #include <surfleet/viewpoint/gain.hpp>
@@ -70,7 +71,7 @@ struct CoverGreedily {
         const IncompleteElement& e = s.elements[static_cast<std::size_t>(id)];
         const Eigen::Vector3d to_eye = (eye - e.position).normalized();
         return !e.faces(to_eye, least) || !s.request.ledger.promises(e.voxel, to_eye) ||
-               !reveals(placed, e, line);
+               !shows_unknown(placed, e, line);
       });
     }
     return cover_viewpoints(s.views, std::move(seen));
@@ -196,12 +197,11 @@ class TourPlanner {
       return i == 0 ? start.position
                     : route[static_cast<std::size_t>(i - 1)].configuration.position;
     };
-    TourProblem problem{.costs = CostMatrix(n), .open = true, .start = 0};
+    CostMatrix lengths(n);
     for (int i = 0; i < n; ++i)
-      for (int j = 0; j < i; ++j)
-        problem.costs(i, j) = problem.costs(j, i) = (place(i) - place(j)).norm();
+      for (int j = 0; j < i; ++j) lengths(i, j) = lengths(j, i) = (place(i) - place(j)).norm();
     Stops ordered;
-    for (const int i : LinKernighan{}(problem).order)
+    for (const int i : shortest_hamiltonian_path(lengths, 0, LinKernighan{}).order)
       if (i > 0) ordered.push_back(std::move(route[static_cast<std::size_t>(i - 1)]));
     route = std::move(ordered);
   }
@@ -246,40 +246,57 @@ using MakespanPlanner = MakespanTours<MergeNearby>;
 /// The same with few, broad views: for what is left when most has been seen.
 using CoverPlanner = MakespanTours<CoverGreedily>;
 
-/// First one planner, then another for good: fast flights while there is much to see, tours for
-/// what is left. The second takes over once the first one's rate, averaged over its last few
-/// requests, has sunk below a share of its mean over the mission, or when it finds nothing.
-template <typename First, FleetPlanner Then>
+/// A planner that says what its last plan was good for: `last_rate()` is the worth per metre of its
+/// best stop [m²/m], `broadest_look()` the most that any look it tried would have shown [m²].
+template <typename P>
+concept RatingPlanner = FleetPlanner<P> && requires(const P& planner) {
+  { planner.last_rate() } -> std::convertible_to<double>;
+  { planner.broadest_look() } -> std::convertible_to<double>;
+};
+
+/// Fast flights while there is much to see, tours for what is left.
+///
+/// The second planner takes over once the first one's rate, averaged over its last few requests,
+/// has sunk below a share of its mean over the mission and nothing broad is in sight anywhere, or
+/// when it finds nothing. What the tours discover can be broad again: then the first one is back.
+template <RatingPlanner First, FleetPlanner Then>
 class RateThenTours {
  public:
   First first;
   Then then;
   double share = 0.15;  ///< Of the mean rate.
+  double broad = 0.3;   ///< Share of the broadest look of the mission that still counts as broad.
   int memory = 4;       ///< Requests a robot that the recent rate is averaged over.
 
   explicit RateThenTours(First f = First{}, Then t = Then{})
       : first(std::move(f)), then(std::move(t)) {}
 
   PlanResult operator()(const PlanRequest& request) {
-    if (switched_) return then(request);
     PlanResult result = first(request);
-    const double rate = first.last_rate();
-    sum_ += rate;
-    ++count_;
+    const double rate = first.last_rate(), look = first.broadest_look();
+    broadest_ = std::max(broadest_, look);
+    const bool is_broad = look >= broad * broadest_ && rate > 0.0;
+    if (touring_) {
+      if (!is_broad) return then(request);
+      touring_ = false;
+      recent_ = mean_;
+      return result;
+    }
+    mean_ += (rate - mean_) / static_cast<double>(++count_);
     const double window = static_cast<double>(memory) * static_cast<double>(request.robots.size());
-    const double keep = 1.0 - 1.0 / std::min(window, static_cast<double>(count_));
-    recent_ = keep * recent_ + (1.0 - keep) * rate;
+    recent_ += (rate - recent_) / std::min(window, static_cast<double>(count_));
     const bool all_idle = std::all_of(request.robots.begin(), request.robots.end(),
                                       [](const RobotRequest& r) { return r.idle; });
-    switched_ = recent_ < share * sum_ / static_cast<double>(count_) || (all_idle && rate <= 0.0);
-    return switched_ ? then(request) : result;
+    touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
+    return touring_ ? then(request) : result;
   }
-  /// Whether the second planner has taken over.
-  bool switched() const { return switched_; }
+  /// Whether the second planner is at work.
+  bool touring() const { return touring_; }
 
  private:
-  double sum_ = 0.0, recent_ = 0.0;
-  std::size_t count_ = 0;
-  bool switched_ = false;
+  double mean_ = 0.0, recent_ = 0.0;  // rates [m²/m]
+  double broadest_ = 0.0;             // look so far [m²]
+  std::size_t count_ = 0;             // of requests to the first
+  bool touring_ = false;
 };
 }  // namespace surfleet
