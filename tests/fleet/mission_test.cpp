@@ -177,6 +177,50 @@ TEST(reordered_stops_are_the_same_stops_on_a_shorter_way) {
   CHECK(mission.run().complete);
   CHECK(saved > 0.5);
 }
+/// Rates and looks as they are told.
+struct Scripted {
+  double rate = 1.0, look = 1.0;
+  double last_rate() const { return rate; }
+  double broadest_look() const { return look; }
+  PlanResult operator()(const PlanRequest& request) {
+    return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{Stop{}}), {}};
+  }
+};
+/// Passes a request on to planners of its own.
+struct AskedOnce {
+  PlanResult operator()(const PlanRequest& request) {
+    using Planner = RateThenTours<Scripted, NoPlan>;
+    const auto ask = [&](Planner& p, double rate, double look, int times) {
+      p.first.rate = rate;
+      p.first.look = look;
+      bool all = true, any = false;
+      for (int i = 0; i < times; ++i) {
+        const PlanResult result = p(request);
+        const bool toured = !result.routes[0] || result.routes[0]->empty();
+        CHECK(toured == p.touring());
+        all = all && toured;
+        any = any || toured;
+      }
+      return std::pair(all, any);
+    };
+    Planner p;
+    CHECK(!ask(p, 4.0, 40.0, 20).second);
+    CHECK(!ask(p, 0.1, 20.0, 60).second);  // low rates, but something broad far away
+    CHECK(ask(p, 0.1, 4.0, 40).second);    // nothing broad any more
+    CHECK(ask(p, 0.1, 4.0, 5).first);
+    CHECK(!ask(p, 0.2, 30.0, 5).second);  // the tours came upon something
+    CHECK(ask(p, 0.05, 4.0, 60).second);
+    Planner q;
+    CHECK(!ask(q, 4.0, 40.0, 1).second);
+    CHECK(ask(q, 0.0, 0.0, 1).first);  // nothing at all
+    return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{}), {}};
+  }
+};
+TEST(tours_take_over_when_nothing_broad_is_left_and_give_way_again) {
+  World world;
+  Mission<AskedOnce, World> mission(box_world::options(world), world, box_world::starts(1));
+  CHECK(mission.run().complete);
+}
 TEST(progress_can_end_a_mission) {
   World world;
   Mission<RatePlanner, World> mission(box_world::options(world), world, box_world::starts(1),
