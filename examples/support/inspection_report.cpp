@@ -69,7 +69,11 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
 namespace {
 std::vector<std::byte> view_of(const TriangleMesh& mesh, const Box3& box, double azimuth,
                                const std::vector<std::vector<Point3>>& paths, bool colored) {
-  Rasterizer picture(frame_box(box, azimuth, radians(28.0), 1280, 760));
+  // The sun stands behind the viewer's shoulder.
+  const double sun = azimuth + radians(2.0);
+  Rasterizer picture(
+      frame_box(box, azimuth, radians(28.0), 1280, 760),
+      {.to_light = Eigen::Vector3d(0.75 * std::cos(sun), 0.75 * std::sin(sun), 1.0)});
   picture.draw(mesh, colored ? MeshStyle{.light = 0.55} : MeshStyle{});
   for (std::size_t r = 0; r < paths.size(); ++r) {
     picture.draw_polyline(paths[r], categorical_color(r), 2.0);
