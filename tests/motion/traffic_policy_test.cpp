@@ -193,6 +193,54 @@ TEST(a_senior_yields_to_a_cornered_robot) {
   CHECK(std::abs(m.target.y()) >= 2.4);
 }
 
+TEST(the_rule_above_all_keeps_robots_apart_on_crooked_paths) {
+  // Nothing but `too_close` between two that fly about each other, corners cut, one after the
+  // other deciding; or one of them stands.
+  Random random(9);
+  const auto crooked = [&](const Point3& from) {
+    std::vector<Point3> path{from};
+    for (int k = 0; k < 6; ++k)
+      path.push_back(path.back() + Point3(random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5),
+                                          random.uniform(-0.5, 0.5)));
+    return path;
+  };
+  const AerialLimits limits;
+  const TrafficPolicy policy(
+      {.least_gap = 0.05 + limits.corner_tolerance, .period = 0.25, .braking = limits.braking});
+  double nearest = 1e9;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const bool stands = trial % 2 == 0;
+    std::vector<AerialMotion> robots;
+    std::vector<TrafficAgent> agents(2);
+    for (int r = 0; r < 2; ++r) {
+      const Point3 start =
+          r == 0 ? Point3::Zero() : Point3(2.5 * std::cos(trial), 2.5 * std::sin(trial), 0.0);
+      robots.emplace_back(Configuration{start, 0.0}, limits);
+      if (r == 1 || !stands) robots.back().follow(crooked(start), 0.0);
+      agents[static_cast<std::size_t>(r)].id = r;
+    }
+    const auto announce = [&](std::size_t r) {
+      agents[r].position = robots[r].configuration().position;
+      agents[r].path = robots[r].remaining();
+    };
+    for (int step = 0; step < 60; ++step) {
+      announce(0);
+      announce(1);
+      for (std::size_t r = 0; r < 2; ++r) {
+        if (policy.too_close(agents[r], agents) >= 0)
+          robots[r].stop();
+        else
+          robots[r].resume();
+        robots[r].advance(0.25);
+        announce(r);
+      }
+      nearest = std::min(nearest, (agents[0].position - agents[1].position).norm());
+    }
+  }
+  CHECK(nearest >= 2.0);
+  CHECK(nearest < 2.4);  // or nothing was put to the test
+}
+
 TEST(segment_distance_matches_sampling) {
   Random random(2);
   const auto draw = [&] {
@@ -200,7 +248,9 @@ TEST(segment_distance_matches_sampling) {
   };
   for (int i = 0; i < 200; ++i) {
     const Point3 a = draw(), b = i % 7 == 0 ? a : draw(), c = draw(),
-                 d = i % 5 == 0 ? Point3(c + 0.5 * (b - a)) : draw();
+                 d = i % 3 == 0   ? c
+                     : i % 5 == 0 ? Point3(c + 0.5 * (b - a))
+                                  : draw();
     double best = 1e9;
     for (int s = 0; s <= 60; ++s)
       for (int t = 0; t <= 60; ++t)

@@ -115,10 +115,7 @@ class PathFollower {
   Point3 position() const {
     if (pieces_.empty()) return vertices_.empty() ? Point3::Zero() : vertices_.front();
     if (piece_ >= pieces_.size()) return vertices_.back();
-    const Piece& p = pieces_[piece_];
-    if (p.radius <= 0.0) return p.start + p.direction * along_;
-    const double phi = along_ / p.radius;
-    return p.start + p.radius * (std::sin(phi) * p.direction + (1.0 - std::cos(phi)) * p.inward);
+    return pieces_[piece_].at(along_);
   }
   /// Unit direction of travel; at the end the last one; zero for a path of one point.
   Eigen::Vector3d direction() const {
@@ -128,13 +125,19 @@ class PathFollower {
     const double phi = std::min(along_, p.length) / p.radius;
     return std::cos(phi) * p.direction + std::sin(phi) * p.inward;
   }
-  /// The way that is left: the position and the polyline's vertices ahead.
+  /// The way that is left: the position, the rest of an arc under way, and the vertices ahead.
   std::vector<Point3> remaining() const {
     std::vector<Point3> points{position()};
     if (at_end()) return points;
-    const std::size_t next =
-        piece_ < pieces_.size() ? pieces_[piece_].next_vertex : vertices_.size();
-    for (std::size_t i = next; i < vertices_.size(); ++i) points.push_back(vertices_[i]);
+    if (pieces_[piece_].radius > 0.0) {
+      const Piece& arc = pieces_[piece_];
+      const double left = (arc.length - along_) / arc.radius;
+      const int chords = std::max(1, static_cast<int>(std::ceil(left / kChord)));
+      for (int k = 1; k <= chords; ++k)
+        points.push_back(arc.at(along_ + (arc.length - along_) * k / chords));
+    }
+    for (std::size_t i = pieces_[piece_].next_vertex; i < vertices_.size(); ++i)
+      points.push_back(vertices_[i]);
     return points;
   }
 
@@ -148,7 +151,14 @@ class PathFollower {
     double limit = 0.0;   // of the speed
     double end_speed = 0.0;
     std::size_t next_vertex = 0;
+
+    Point3 at(double along) const {
+      if (radius <= 0.0) return start + direction * along;
+      const double phi = along / radius;
+      return start + radius * (std::sin(phi) * direction + (1.0 - std::cos(phi)) * inward);
+    }
   };
+  static constexpr double kChord = radians(20.0);  ///< Of an arc's turn, in `remaining`.
 
   void next_piece() {
     ++piece_;

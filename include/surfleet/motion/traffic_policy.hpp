@@ -69,13 +69,13 @@ inline std::vector<Point3> head_of(std::span<const Point3> path, double way) {
   }
   return head;
 }
-/// Distance between the segments ab and cd.
+/// Distance between the segments ab and cd, either of which may be a point.
 inline double segment_distance(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
   const Eigen::Vector3d u = b - a, v = d - c, w = a - c;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w),
                vw = v.dot(w), det = uu * vv - uv * uv;
   double s = det > 1e-12 * uu * vv ? std::clamp((uv * vw - vv * uw) / det, 0.0, 1.0) : 0.0;
-  double t = vv > 0.0 ? (uv * s + vw) / vv : 0.0;
+  double t = vv > 0.0 ? (uv * s + vw) / vv : -1.0;
   if (t < 0.0 || t > 1.0) {
     t = std::clamp(t, 0.0, 1.0);
     s = uu > 0.0 ? std::clamp((uv * t - uw) / uu, 0.0, 1.0) : 0.0;
