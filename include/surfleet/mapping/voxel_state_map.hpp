@@ -2,6 +2,8 @@
 /// @file  Unknown, empty or occupied for every voxel: the map as planners read it.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -38,23 +40,25 @@ class VoxelStateMap {
     std::size_t changed = 0;
     for (const std::uint32_t slot : map.changed_since(cursor_)) {
       const TsdfMap::Block& source = map.block(slot);
-      std::uint32_t own = grid_.find_slot(source.index);
-      bool differs = false;
-      for (std::size_t i = 0; i < TsdfMap::kBlockVoxels; ++i) {
+      // Without branches, so that it becomes vector code: most of a block stays as it was.
+      std::array<VoxelState, TsdfMap::kBlockVoxels> states;
+      for (std::size_t i = 0; i < states.size(); ++i) {
         const TsdfVoxel& v = source.voxels[i];
-        const VoxelState s = voxel_state({v.distance - surface, v.weight}, threshold);
-        if (own == Grid::kNone) {
-          if (s == VoxelState::unknown) continue;
-          own = grid_.ensure_slot(source.index);
-        }
-        VoxelState& mine = grid_.block(own).voxels[i];
-        differs |= mine != s;
-        mine = s;
+        const int known = static_cast<int>(v.weight >= threshold);
+        states[i] = static_cast<VoxelState>(known * (2 - static_cast<int>(v.distance > surface)));
       }
-      if (differs) {
-        grid_.mark_changed(own);
-        ++changed;
+      std::uint32_t own = grid_.find_slot(source.index);
+      if (own == Grid::kNone) {
+        if (std::all_of(states.begin(), states.end(),
+                        [](VoxelState s) { return s == VoxelState::unknown; }))
+          continue;
+        own = grid_.ensure_slot(source.index);
+      } else if (grid_.block(own).voxels == states) {
+        continue;
       }
+      grid_.block(own).voxels = states;
+      grid_.mark_changed(own);
+      ++changed;
     }
     cursor_ = map.revision();
     return changed;

@@ -171,29 +171,44 @@ class FreeSpace {
       if (!(u.cwiseAbs().maxCoeff() < 1 << 29)) return -space_->required_;
       const VoxelIndex base(floor_int(u.x()), floor_int(u.y()), floor_int(u.z()));
       const Eigen::Vector3d f = u - base.cast<double>();
+      const auto weight = [&](int k) {
+        return ((k & 1) != 0 ? f.x() : 1.0 - f.x()) * ((k & 2) != 0 ? f.y() : 1.0 - f.y()) *
+               ((k & 4) != 0 ? f.z() : 1.0 - f.z());
+      };
       double sum = 0.0;
-      for (int k = 0; k < 8; ++k) {
-        const double w = ((k & 1) != 0 ? f.x() : 1.0 - f.x()) *
-                         ((k & 2) != 0 ? f.y() : 1.0 - f.y()) *
-                         ((k & 4) != 0 ? f.z() : 1.0 - f.z());
-        if (w > 0.0)
-          sum += w * space_->root_[squared(base + VoxelIndex(k & 1, (k >> 1) & 1, k >> 2))];
+      const std::size_t first = Grid::offset_of(base);
+      if (const VoxelIndex in(base.x() & (kSide - 1), base.y() & (kSide - 1),
+                              base.z() & (kSide - 1));
+          in.maxCoeff() < kSide - 1 && find(Grid::block_of(base)) != nullptr) {
+        // All eight in one block.
+        for (int k = 0; k < 8; ++k) {
+          const std::size_t at =
+              first + static_cast<std::size_t>((k & 1) + kSide * ((k >> 1 & 1) + kSide * (k >> 2)));
+          sum += weight(k) * space_->root_[static_cast<std::size_t>(block_->voxels[at])];
+        }
+      } else {
+        for (int k = 0; k < 8; ++k)
+          if (const double w = weight(k); w > 0.0)
+            sum += w * space_->root_[squared(base + VoxelIndex(k & 1, (k >> 1) & 1, k >> 2))];
       }
       return sum - space_->excess_ - space_->required_;
     }
     /// Squared distance from a voxel's centre to the nearest obstacle's, in voxels, truncated.
     std::size_t squared(const VoxelIndex& v) {
-      const BlockIndex b = Grid::block_of(v);
+      const Grid::Block* block = find(Grid::block_of(v));
+      return block == nullptr ? space_->default_squared()
+                              : static_cast<std::size_t>(block->voxels[Grid::offset_of(v)]);
+    }
+
+   private:
+    const Grid::Block* find(const BlockIndex& b) {
       if (!cached_ || b != index_) {
         block_ = space_->grid_.find_block(b);
         index_ = b;
         cached_ = true;
       }
-      return block_ == nullptr ? space_->default_squared()
-                               : static_cast<std::size_t>(block_->voxels[Grid::offset_of(v)]);
+      return block_;
     }
-
-   private:
     static int floor_int(double x) { return static_cast<int>(std::floor(x)); }
     const FreeSpace* space_;
     const Grid::Block* block_ = nullptr;
@@ -438,31 +453,25 @@ class FreeSpace {
     } else if (!all_far) {
       constexpr std::size_t kMaxSpan = 8 + 2 * kMaxReach;
       std::array<std::int16_t, kMaxSpan * 64> columns;  // after the pass along y, a slab per z
+      std::array<std::int16_t, kMaxSpan * 8> lines;     // one slab before that pass
       for (int z = -reach_; z < 8 + reach_; ++z) {
         const int bz = (z + 8 * halo_) / 8, iz = (z + 8 * halo_) % 8;
-        std::array<const std::int16_t*, kMaxSpan> line{};
         for (int y = -reach_; y < 8 + reach_; ++y) {
           const int by = (y + 8 * halo_) / 8, iy = (y + 8 * halo_) % 8;
           const std::int16_t* rows = near[static_cast<std::size_t>(by + span * bz)];
-          line[static_cast<std::size_t>(y + reach_)] =
-              rows == nullptr ? nullptr : rows + (iy + 8 * iz) * 8;
+          std::int16_t* line = lines.data() + (y + reach_) * 8;
+          if (rows == nullptr)
+            std::fill(line, line + 8, cap);
+          else
+            std::copy_n(rows + (iy + 8 * iz) * 8, 8, line);
         }
-        std::int16_t* out = columns.data() + static_cast<std::size_t>(z + reach_) * 64;
-        for (int y = 0; y < 8; ++y, out += 8) {
-          std::fill(out, out + 8, cap);
-          for (int d = -reach_; d <= reach_; ++d) {
-            const std::int16_t* in = line[static_cast<std::size_t>(y + d + reach_)];
-            if (in == nullptr) continue;
-            lower(out, in, static_cast<std::int16_t>(d * d));
-          }
-        }
+        const Slab slab = lowered(lines.data(), 8, cap);
+        std::copy(slab.begin(), slab.end(), columns.data() + (z + reach_) * 64);
       }
-      for (int z = 0; z < 8; ++z)
-        for (int d = -reach_; d <= reach_; ++d) {
-          const auto add = static_cast<std::int16_t>(d * d);
-          const std::int16_t* in = columns.data() + static_cast<std::size_t>(z + d + reach_) * 64;
-          for (int y = 0; y < 8; ++y) lower(result.data() + z * 64 + y * 8, in + y * 8, add);
-        }
+      for (int z = 0; z < 8; ++z) {
+        const Slab slab = lowered(columns.data() + z * 64, 64, cap);
+        std::copy(slab.begin(), slab.end(), result.data() + z * 64);
+      }
     }
     if (result == grid_.block(slot).voxels) return false;
     grid_.block(slot).voxels = result;
@@ -470,11 +479,18 @@ class FreeSpace {
     grid_.mark_changed(slot);
     return true;
   }
-  static void lower(std::int16_t* out, const std::int16_t* in, std::int16_t add) {
-    for (int x = 0; x < 8; ++x) {
-      const auto through = static_cast<std::int16_t>(in[x] + add);
-      out[x] = through < out[x] ? through : out[x];
-    }
+  /// A pass of the transform: for 64 places at once the least over d of what lies d strides on from
+  /// them, plus d²; `in` is where d is −reach.
+  using Slab = std::array<std::int16_t, 64>;
+  Slab lowered(const std::int16_t* in, int stride, std::int16_t cap) const {
+    Slab slab;
+    slab.fill(cap);
+    for (int d = -reach_; d <= reach_; ++d, in += stride)
+      for (std::size_t i = 0; i < slab.size(); ++i) {
+        const auto through = static_cast<std::int16_t>(in[i] + d * d);
+        slab[i] = through < slab[i] ? through : slab[i];
+      }
+    return slab;
   }
   static const std::int16_t* zero_rows() {
     static const Rows zeros{};

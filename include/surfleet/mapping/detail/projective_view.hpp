@@ -244,52 +244,69 @@ class BlockObserver {
 
   /// Everything; false if the view says nothing of the slice.
   bool observe(int z) {
-    const Eigen::Vector3f base = start_ + step_.col(2) * static_cast<float>(z);
+    // All that the loops ask for is kept in locals, so that they become vector code: of a member
+    // the compiler cannot know that no store changes it.
     const float w = static_cast<float>(view_.width), h = static_cast<float>(view_.height);
-    const float m = static_cast<float>(view_.margin);
+    const float m = static_cast<float>(view_.margin), right = w - m, bottom = h - m;
+    const float fx = view_.fx, fy = view_.fy, cx = view_.cx, cy = view_.cy;
+    const float z_limit = view_.z_limit, range_limit = view_.range_limit;
+    const float truncation = truncation_;
+    const std::int32_t width = view_.width;
+    const Eigen::Matrix3f step = step_;
+    const Eigen::Vector3f base = start_ + step.col(2) * static_cast<float>(z);
     const auto nowhere = static_cast<std::int32_t>(view_.pixels());
-    std::array<float, kSlice> across, down, depth, u, v, inverse;
+    std::array<float, kSlice> across, down, depth, divisor, u, v, inverse, range2, range, distance,
+        said;
     std::array<std::int32_t, kSlice> pixel;
+    for (std::int32_t i = 0; i < kSlice; ++i) {
+      const auto n = static_cast<std::size_t>(i);
+      const auto x = static_cast<float>(i % kSide), y = static_cast<float>(i / kSide);
+      const float px = base.x() + x * step(0, 0) + y * step(0, 1);
+      const float py = base.y() + x * step(1, 0) + y * step(1, 1);
+      const float pz = base.z() + x * step(2, 0) + y * step(2, 1);
+      range2[n] = px * px + py * py + pz * pz;
+      across[n] = px;
+      down[n] = py;
+      depth[n] = pz;
+      divisor[n] = larger(pz, kNearPlane);
+    }
     for (std::size_t i = 0; i < kSlice; ++i) {
-      const auto x = static_cast<float>(static_cast<int>(i) % kSide);
-      const auto y = static_cast<float>(static_cast<int>(i) / kSide);
-      const float px = base.x() + x * step_(0, 0) + y * step_(0, 1);
-      const float py = base.y() + x * step_(1, 0) + y * step_(1, 1);
-      const float pz = base.z() + x * step_(2, 0) + y * step_(2, 1);
-      squared_range[i] = px * px + py * py + pz * pz;
-      const float scale = 1.0F / std::max(pz, kNearPlane);
+      const float scale = 1.0F / divisor[i];
       // Shifted by half a pixel, so that truncation finds the nearest centre.
-      const float su = std::min(std::max(view_.fx * px * scale + view_.cx + 0.5F, -1.0F), w);
-      const float sv = std::min(std::max(view_.fy * py * scale + view_.cy + 0.5F, -1.0F), h);
-      const bool in = (pz > kNearPlane) & (su >= m) & (sv >= m) & (su < w - m) & (sv < h - m);
+      const float su = smaller(larger(fx * across[i] * scale + cx + 0.5F, -1.0F), w);
+      const float sv = smaller(larger(fy * down[i] * scale + cy + 0.5F, -1.0F), h);
+      const int in = int(depth[i] > kNearPlane) & int(su >= m) & int(sv >= m) & int(su < right) &
+                     int(sv < bottom);
       const auto iu = static_cast<std::int32_t>(su), iv = static_cast<std::int32_t>(sv);
-      pixel[i] = in ? iv * view_.width + iu : nowhere;
-      across[i] = px;
-      down[i] = py;
-      depth[i] = pz;
+      pixel[i] = nowhere + in * (iv * width + iu - nowhere);
       u[i] = su - 0.5F;
       v[i] = sv - 0.5F;
     }
+    const float* const inverse_depth = view_.inverse_depth.data();
     for (std::size_t i = 0; i < kSlice; ++i)
-      inverse[i] = view_.inverse_depth[static_cast<std::size_t>(pixel[i])];
+      inverse[i] = inverse_depth[static_cast<std::size_t>(pixel[i])];
+    for (std::size_t i = 0; i < kSlice; ++i) range[i] = std::sqrt(range2[i]);
     // Along the ray: the difference of depths, scaled by the ray's length at unit depth. A surface
     // beyond the range counts as far as the range goes, so never from behind.
-    float any = 0.0F;
-    const float slant = static_cast<float>(kSlantReach) * truncation_;
-    const float carve_from = carve_ ? std::numeric_limits<float>::max() : truncation_;
+    int any = 0;
+    const float slant = static_cast<float>(kSlantReach) * truncation;
+    const float carve_from = carve_ ? std::numeric_limits<float>::max() : truncation;
     for (std::size_t i = 0; i < kSlice; ++i) {
-      const float range = std::sqrt(squared_range[i]);
       const float surface = 1.0F / inverse[i];
-      const float d = (surface - depth[i]) * (range / std::max(depth[i], kNearPlane));
-      const bool in_range = (depth[i] <= view_.z_limit) & (range <= view_.range_limit);
-      const bool measured = (surface <= view_.z_limit) & (range + d <= view_.range_limit);
-      const bool front = in_range & (d > 0.0F) & (d < carve_from);
-      const bool band = measured & (std::abs(d) < truncation_);
-      sdf[i] = std::min(d, slant);
-      seen[i] = (front | band) ? 1.0F : 0.0F;
-      any += seen[i];
+      const float d = (surface - depth[i]) * (range[i] / divisor[i]);
+      const int in_range = int(depth[i] <= z_limit) & int(range[i] <= range_limit);
+      const int measured = int(surface <= z_limit) & int(range[i] + d <= range_limit);
+      const int front = in_range & int(d > 0.0F) & int(d < carve_from);
+      const int band = measured & int(std::abs(d) < truncation);
+      distance[i] = smaller(d, slant);
+      const int says = front | band;
+      said[i] = says != 0 ? 1.0F : 0.0F;
+      any |= says;
     }
-    if (any == 0.0F) return false;
+    squared_range = range2;
+    sdf = distance;
+    seen = said;
+    if (any == 0) return false;
     if (!view_.planes.empty()) {
       for (std::size_t i = 0; i < kSlice; ++i) {
         const SurfacePlane& p = view_.planes[static_cast<std::size_t>(pixel[i])];
@@ -305,6 +322,10 @@ class BlockObserver {
   }
 
  private:
+  // By value: references would keep the loops from becoming vector code.
+  static float smaller(float a, float b) { return b < a ? b : a; }
+  static float larger(float a, float b) { return a < b ? b : a; }
+
   /// Interpolates between the four pixels around, where they show one surface, and turns the
   /// distance along the ray into the distance to the surface's tangent plane. Beside a jump of
   /// depth the nearest pixel's own surface is continued, so that edges are not smeared.
