@@ -13,6 +13,7 @@
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/fleet/rate_then_tours.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
 
 namespace surfleet::examples {

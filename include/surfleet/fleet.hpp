@@ -11,6 +11,7 @@
 #include <surfleet/fleet/mission.hpp>
 #include <surfleet/fleet/plan.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/fleet/rate_then_tours.hpp>
 #include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>

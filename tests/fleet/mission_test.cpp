@@ -8,6 +8,7 @@
 #include "check.hpp"
 
 #include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/fleet/rate_then_tours.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
 

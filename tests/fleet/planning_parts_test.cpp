@@ -28,7 +28,7 @@ struct Slab {
 TEST(lattice_search_goes_outward_and_around) {
   const Slab slab;
   const Box3 box(Point3(0, 0, 0), Point3(10, 10, 3));
-  const FlightLattice<Slab> lattice(slab, box, 1.0);
+  FlightLattice<Slab> lattice(slab, box, 1.0);
   CHECK(lattice.size() == 11 * 11 * 4);
   double last = 0.0, behind = 0.0;
   std::size_t visited = 0;
@@ -45,7 +45,7 @@ TEST(lattice_search_goes_outward_and_around) {
 }
 TEST(lattice_search_stops_when_told_and_finds_nothing_when_shut_in) {
   const Slab slab;
-  const FlightLattice<Slab> lattice(slab, {Point3(0, 0, 0), Point3(10, 10, 3)}, 1.0);
+  FlightLattice<Slab> lattice(slab, {Point3(0, 0, 0), Point3(10, 10, 3)}, 1.0);
   int visits = 0;
   lattice.search({1, 1, 1}, [&](const auto&) { return ++visits < 5; });
   CHECK(visits == 5);
@@ -53,7 +53,7 @@ TEST(lattice_search_stops_when_told_and_finds_nothing_when_shut_in) {
     bool is_free(const Point3&) const { return false; }
     bool is_free_segment(const Point3&, const Point3&) const { return false; }
   } nowhere;
-  const FlightLattice<Nowhere> none(nowhere, {Point3(0, 0, 0), Point3(3, 3, 3)}, 1.0);
+  FlightLattice<Nowhere> none(nowhere, {Point3(0, 0, 0), Point3(3, 3, 3)}, 1.0);
   none.search({1, 1, 1}, [&](const auto&) {
     CHECK(false);
     return true;
@@ -68,7 +68,7 @@ TEST(lattice_search_goes_on_beyond_passages_too_narrow_for_it) {
       return (a.x() <= 4.0) == (b.x() <= 4.0);
     }
   } wall;
-  const FlightLattice<Wall> lattice(wall, {Point3(0, 0, 0), Point3(10, 4, 2)}, 1.0);
+  FlightLattice<Wall> lattice(wall, {Point3(0, 0, 0), Point3(10, 4, 2)}, 1.0);
   const auto count = [&](auto&& ways) {
     std::size_t here = 0, beyond = 0;
     double nearest = 1e9;

@@ -110,7 +110,7 @@ class CoverageTourPlanner {
   void find_candidates() {
     reachable_.assign(surface_.points.size(), 0);
     sites_ = {start_.position};
-    const FlightLattice<FreeSpace> lattice(space_, space_.options().bounds, options_.spacing);
+    FlightLattice<FreeSpace> lattice(space_, space_.options().bounds, options_.spacing);
     lattice.search(start_.position, [&](const auto& site) {
       const std::vector<Sighting> seen = targets_.seen_from(site.position);
       for (const Sighting& s : seen) reachable_[static_cast<std::size_t>(s.target)] = 1;

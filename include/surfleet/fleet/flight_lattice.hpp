@@ -2,14 +2,16 @@
 /// @file  A lattice of flyable positions, searched outward from a robot.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <queue>
 #include <span>
-#include <unordered_map>
-#include <utility>
+#include <type_traits>
 #include <vector>
 
 #include <surfleet/core/types.hpp>
@@ -17,8 +19,8 @@
 
 namespace surfleet {
 /// Positions on a regular lattice over a box, joined to their 26 neighbours where the straight
-/// flight between them is free. Nodes and edges are judged as the search meets them and never
-/// stored, so the lattice is always as free as the map is now.
+/// flight between them is free. Nodes and edges are judged when a search first meets them, and the
+/// verdicts serve later searches: a lattice is for one state of the map.
 template <typename Free>
 class FlightLattice {
  public:
@@ -37,6 +39,7 @@ class FlightLattice {
     // The lattice is centred in the box.
     for (int i = 0; i < 3; ++i)
       origin_[i] = bounds.min()[i] + 0.5 * (bounds.sizes()[i] - (count_[i] - 1) * spacing);
+    nodes_.resize(size());
   }
 
   Point3 position(const VoxelIndex& c) const { return origin_ + c.cast<double>() * spacing_; }
@@ -52,19 +55,17 @@ class FlightLattice {
            static_cast<std::size_t>(count_.z());
   }
 
+  /// Says that there is no way but along the lattice.
+  struct LatticeOnly {};
+
   /// Calls `visit(const Site&)` for the reachable nodes in the order of their distance from
   /// `start` until it returns false. O(visited · log visited).
-  template <typename Visit>
-  void search(const Point3& start, Visit&& visit) const {
-    search(start, visit, [](std::span<const Point3> places) {
-      return std::vector<double>(places.size(), std::numeric_limits<double>::infinity());
-    });
-  }
-  /// The same, and when that is done goes on beyond passages too narrow for the lattice:
+  ///
+  /// When that is done, goes on beyond passages too narrow for the lattice, if told of ways there:
   /// `ways(std::span<const Point3>)` gives the lengths of the ways from `start` to the free nodes
   /// that were not met, infinite where there is none [m]. It is called once at most.
-  template <typename Visit, typename Ways>
-  void search(const Point3& start, Visit&& visit, Ways&& ways) const {
+  template <typename Visit, typename Ways = LatticeOnly>
+  void search(const Point3& start, Visit&& visit, Ways&& ways = {}) {
     struct Entry {
       double distance;
       std::size_t index;
@@ -75,11 +76,7 @@ class FlightLattice {
     };
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
     std::vector<float> best(size(), std::numeric_limits<float>::infinity());
-    std::vector<std::uint8_t> closed(size(), 0), state(size(), 0);  // state: 1 free, 2 blocked
-    const auto is_free = [&](const VoxelIndex& c, std::size_t i) {
-      if (state[i] == 0) state[i] = free_->is_free(position(c)) ? 1 : 2;
-      return state[i] == 1;
-    };
+    std::vector<std::uint8_t> closed(size(), 0);
     const auto inside = [&](const VoxelIndex& c) {
       return (c.array() >= 0).all() && (c.array() < count_.array()).all();
     };
@@ -115,7 +112,8 @@ class FlightLattice {
               const double d =
                   e.distance + spacing_ * std::sqrt(static_cast<double>(step.squaredNorm()));
               if (static_cast<float>(d) >= best[i] || !is_free(c, i)) continue;
-              if (!free_->is_free_segment(position(e.cell), position(c))) continue;
+              if (!is_free_edge(e.cell, e.index, c, (x + 1) + 3 * ((y + 1) + 3 * (z + 1))))
+                continue;
               best[i] = static_cast<float>(d);
               open.push({d, i, c});
             }
@@ -123,30 +121,56 @@ class FlightLattice {
       return true;
     };
     if (!expand()) return;
-    // What the lattice does not join to the start.
-    std::vector<VoxelIndex> rest;
-    std::vector<Point3> places;
-    for (int z = 0; z < count_.z(); ++z)
-      for (int y = 0; y < count_.y(); ++y)
-        for (int x = 0; x < count_.x(); ++x) {
-          const VoxelIndex c(x, y, z);
-          const std::size_t i = index(c);
-          if (closed[i] != 0 || !is_free(c, i)) continue;
-          rest.push_back(c);
-          places.push_back(position(c));
-        }
-    if (rest.empty()) return;
-    const std::vector<double> lengths = ways(std::span<const Point3>(places));
-    for (std::size_t k = 0; k < rest.size(); ++k)
-      if (std::isfinite(lengths[k])) open.push({lengths[k], index(rest[k]), rest[k]});
-    expand();
+    if constexpr (!std::same_as<std::remove_cvref_t<Ways>, LatticeOnly>) {
+      // What the lattice does not join to the start.
+      std::vector<VoxelIndex> rest;
+      std::vector<Point3> places;
+      for (int z = 0; z < count_.z(); ++z)
+        for (int y = 0; y < count_.y(); ++y)
+          for (int x = 0; x < count_.x(); ++x) {
+            const VoxelIndex c(x, y, z);
+            const std::size_t i = index(c);
+            if (closed[i] != 0 || !is_free(c, i)) continue;
+            rest.push_back(c);
+            places.push_back(position(c));
+          }
+      if (rest.empty()) return;
+      const std::vector<double> lengths = ways(std::span<const Point3>(places));
+      for (std::size_t k = 0; k < rest.size(); ++k)
+        if (std::isfinite(lengths[k])) open.push({lengths[k], index(rest[k]), rest[k]});
+      expand();
+    }
   }
 
  private:
+  /// What is known of a node and of the edges that leave it, a bit each by direction.
+  struct Node {
+    std::uint32_t judged = 0, free = 0;
+  };
+  static constexpr int kSelf = 13;  // the middle one of 27 directions
+  template <typename Ask>
+  bool verdict(std::size_t i, int bit, Ask&& ask) {
+    Node& n = nodes_[i];
+    const std::uint32_t mask = std::uint32_t{1} << bit;
+    if ((n.judged & mask) == 0) {
+      n.judged |= mask;
+      if (ask()) n.free |= mask;
+    }
+    return (n.free & mask) != 0;
+  }
+  bool is_free(const VoxelIndex& c, std::size_t i) {
+    return verdict(i, kSelf, [&] { return free_->is_free(position(c)); });
+  }
+  bool is_free_edge(const VoxelIndex& from, std::size_t i, const VoxelIndex& to, int direction) {
+    return verdict(i, direction,
+                   [&] { return free_->is_free_segment(position(from), position(to)); });
+  }
+
   const Free* free_;
   Box3 bounds_;
   double spacing_;
   VoxelIndex count_ = VoxelIndex::Ones();
   Point3 origin_ = Point3::Zero();
+  std::vector<Node> nodes_;
 };
 }  // namespace surfleet

@@ -54,8 +54,8 @@ class RatePlanner {
     const double range = request.camera.max_range;
     const SightTargets targets(make_targets(request), MapSight(request.observed), request.headings,
                                {.max_distance = options.sight_share * range});
-    const FlightLattice<FreeSpace> lattice(request.free_space, request.free_space.options().bounds,
-                                           options.spacing_share * range);
+    FlightLattice<FreeSpace> lattice(request.free_space, request.free_space.options().bounds,
+                                     options.spacing_share * range);
     const WorthAround around(targets.all(), targets.reach());
     const Search search{request, lattice, targets, around};
     sites_.clear();
@@ -107,7 +107,7 @@ class RatePlanner {
  private:
   struct Search {
     const PlanRequest& request;
-    const FlightLattice<FreeSpace>& lattice;
+    FlightLattice<FreeSpace>& lattice;
     const SightTargets<>& targets;
     const WorthAround& around;
   };

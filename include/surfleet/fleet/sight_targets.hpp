@@ -172,7 +172,7 @@ class SightTargets {
     for (const auto& [key, id] : order) {
       const SightTarget& t = targets_[static_cast<std::size_t>(id)];
       keys_.push_back(key);
-      entries_.push_back({t.position, t.normal, id});
+      entries_.push_back({t.position, t.normal, id, t.normal.isZero()});
     }
   }
 
@@ -218,6 +218,7 @@ class SightTargets {
     Point3 position;
     Eigen::Vector3d normal;
     std::int32_t id;
+    bool any_side;
   };
   VoxelIndex cell_of(const Point3& p) const { return (p / cell_).array().floor().cast<int>(); }
   static std::int64_t pack(const VoxelIndex& c) {
@@ -228,7 +229,7 @@ class SightTargets {
     const Eigen::Vector3d d = t.position - p;
     const double squared = d.squaredNorm();
     if (squared > cell_ * cell_ || squared < headings_->nearest() * headings_->nearest()) return 0;
-    if (!t.normal.isZero() && -d.dot(t.normal) < std::sqrt(squared) * min_cosine_) return 0;
+    if (!t.any_side && -d.dot(t.normal) < std::sqrt(squared) * min_cosine_) return 0;
     return (*headings_)(d);
   }
 

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+/// @file  Which of two planners is asked: flights by rate or tours.
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <utility>
+
+#include <surfleet/fleet/plan.hpp>
+
+namespace surfleet {
+/// A planner that says what its last plan was good for: `last_rate()` is the worth per metre of its
+/// best stop [m²/m], `broadest_look()` the most that any look it tried would have shown [m²].
+template <typename P>
+concept RatingPlanner = FleetPlanner<P> && requires(const P& planner) {
+  { planner.last_rate() } -> std::convertible_to<double>;
+  { planner.broadest_look() } -> std::convertible_to<double>;
+};
+
+/// Fast flights while there is much to see, tours for what is left.
+///
+/// The second planner takes over once the first one's rate, averaged over its last few requests,
+/// has sunk below a share of its mean over the mission and nothing broad is in sight anywhere, or
+/// when it finds nothing. What the tours discover can be broad again: then the first one is back.
+template <RatingPlanner First, FleetPlanner Then>
+class RateThenTours {
+ public:
+  First first;
+  Then then;
+  double share = 0.15;  ///< Of the mean rate.
+  double broad = 0.3;   ///< Share of the broadest look of the mission that still counts as broad.
+  int memory = 4;       ///< Requests a robot that the recent rate is averaged over.
+
+  explicit RateThenTours(First f = First{}, Then t = Then{})
+      : first(std::move(f)), then(std::move(t)) {}
+
+  PlanResult operator()(const PlanRequest& request) {
+    PlanResult result = first(request);
+    const double rate = first.last_rate(), look = first.broadest_look();
+    broadest_ = std::max(broadest_, look);
+    const bool is_broad = look >= broad * broadest_ && rate > 0.0;
+    if (touring_) {
+      if (!is_broad) return then(request);
+      touring_ = false;
+      recent_ = mean_;
+      return result;
+    }
+    mean_ += (rate - mean_) / static_cast<double>(++count_);
+    const double window = static_cast<double>(memory) * static_cast<double>(request.robots.size());
+    recent_ += (rate - recent_) / std::min(window, static_cast<double>(count_));
+    const bool all_idle = std::all_of(request.robots.begin(), request.robots.end(),
+                                      [](const RobotRequest& r) { return r.idle; });
+    touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
+    return touring_ ? then(request) : result;
+  }
+  /// Whether the second planner is at work.
+  bool touring() const { return touring_; }
+
+ private:
+  double mean_ = 0.0, recent_ = 0.0;  // rates [m²/m]
+  double broadest_ = 0.0;             // look so far [m²]
+  std::size_t count_ = 0;             // of requests to the first
+  bool touring_ = false;
+};
+}  // namespace surfleet
