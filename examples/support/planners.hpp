@@ -15,6 +15,7 @@
 #include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/fleet/rate_then_tours.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
+#include <surfleet/fleet/with_space_looks.hpp>
 
 namespace surfleet::examples {
 /// Any fleet planner behind one type, so that a mission is compiled once.
@@ -35,24 +36,28 @@ inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& 
   planner_by_name(name);
   TourPlannerOptions asynchronous = tours;
   asynchronous.asynchronous = true;
-  if (name == "tsga") return AnyPlanner::of(TsgaPlanner(tours));
-  if (name == "nnb-exclusive") return AnyPlanner::of(NnbPlanner(asynchronous));
+  const auto made = [&](auto planner) {
+    return AnyPlanner::of(
+        WithSpaceLooks(std::move(planner), SpaceLooksOptions{.distance = tours.distance}));
+  };
+  if (name == "tsga") return made(TsgaPlanner(tours));
+  if (name == "nnb-exclusive") return made(NnbPlanner(asynchronous));
   if (name == "nnb") {
     // As printed: every robot chooses for itself, and two may choose the same cluster.
     asynchronous.exclusive = false;
     NnbPlanner planner(asynchronous);
     planner.allocate.rule.exclusive = false;
-    return AnyPlanner::of(std::move(planner));
+    return made(std::move(planner));
   }
-  if (name == "tsga-async") return AnyPlanner::of(TsgaPlanner(asynchronous));
-  if (name == "tsga-improved") return AnyPlanner::of(ImprovedTsgaPlanner(tours));
-  if (name == "makespan") return AnyPlanner::of(MakespanPlanner(tours));
+  if (name == "tsga-async") return made(TsgaPlanner(asynchronous));
+  if (name == "tsga-improved") return made(ImprovedTsgaPlanner(tours));
+  if (name == "makespan") return made(MakespanPlanner(tours));
   TourPlannerOptions reordered = tours;
   reordered.reorder_stops = true;
-  if (name == "tours") return AnyPlanner::of(CoverPlanner(reordered));
-  if (name == "rate") return AnyPlanner::of(RatePlanner(rate));
+  if (name == "tours") return made(CoverPlanner(reordered));
+  if (name == "rate") return made(RatePlanner(rate));
   if (name == "surfleet")
-    return AnyPlanner::of(
+    return made(
         RateThenTours<RatePlanner, CoverPlanner>(RatePlanner(rate), CoverPlanner(reordered)));
   throw Error("planner " + std::string(name) + ": named, but not made");
 }

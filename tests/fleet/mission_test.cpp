@@ -10,6 +10,7 @@
 #include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/fleet/rate_then_tours.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
+#include <surfleet/fleet/with_space_looks.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
 
 namespace {
@@ -104,6 +105,19 @@ TEST(a_planner_without_plans_ends_the_mission_with_reasons) {
   CHECK(result.complete);
   CHECK(result.remaining > 0);
   CHECK(result.reasons.at(LeftReason::not_attempted) == result.remaining);
+}
+TEST(looks_at_space_widen_what_is_known_and_come_to_an_end) {
+  World world;
+  const MissionOptions o = box_world::options(world);
+  Mission<NoPlan, World> still(o, world, box_world::starts(2));
+  still.run();
+  Mission<WithSpaceLooks<NoPlan>, World> mission(
+      o, world, box_world::starts(2), WithSpaceLooks<NoPlan>(NoPlan{}, {.distance = 2.0}));
+  const MissionResult result = mission.run();
+  CHECK(result.complete);
+  CHECK(mission.planner.looks() > 0);
+  CHECK(result.total_path_length() > 1.0);
+  CHECK(mission.map().block_count() > still.map().block_count());
 }
 /// Where nobody can be, for so many plans; then what a planner that works says.
 struct NowhereFirst {

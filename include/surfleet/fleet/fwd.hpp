@@ -23,6 +23,7 @@ struct RatePlannerOptions;
 struct RobotRequest;
 struct Sighting;
 struct SightTarget;
+struct SpaceLooksOptions;
 struct Stop;
 struct TimedConfiguration;
 struct TourPlannerOptions;

@@ -61,7 +61,8 @@ struct PlanResult {
 };
 
 /// A high-level planner: turns the state of the map into routes. It may keep state between calls.
-/// Models: `TourPlanner` (TSGA, NNB and their kin), `RatePlanner`, `RateThenTours`.
+/// Models: `TourPlanner` (TSGA, NNB and their kin), `RatePlanner`, `RateThenTours`,
+/// `WithSpaceLooks`.
 template <typename P>
 concept FleetPlanner = requires(P& planner, const PlanRequest& request) {
   { planner(request) } -> std::same_as<PlanResult>;
