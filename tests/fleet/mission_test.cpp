@@ -119,6 +119,29 @@ TEST(looks_at_space_widen_what_is_known_and_come_to_an_end) {
   CHECK(result.total_path_length() > 1.0);
   CHECK(mission.map().block_count() > still.map().block_count());
 }
+/// Says how often in a row robots are sent to look once more from where they have just looked.
+struct Again {
+  RatePlanner inner;
+  int* longest = nullptr;
+  int row = 0;
+  PlanResult operator()(const PlanRequest& request) {
+    PlanResult result = inner(request);
+    for (std::size_t r = 0; r < request.robots.size(); ++r) {
+      if (!request.robots[r].idle || !result.routes[r] || result.routes[r]->empty()) continue;
+      const Configuration& to = result.routes[r]->front().configuration;
+      const Configuration& at = request.robots[r].configuration;
+      row = (to.position - at.position).norm() < 1e-6 && std::abs(to.yaw - at.yaw) < 1e-6 ? row + 1
+                                                                                          : 0;
+      *longest = std::max(*longest, row);
+    }
+    return result;
+  }
+};
+TEST(nobody_looks_from_the_same_place_again_and_again) {
+  int longest = 0;
+  fly(1, Again{RatePlanner(), &longest}, 1, 0.8);
+  CHECK(longest <= 1);
+}
 /// Where nobody can be, for so many plans; then what a planner that works says.
 struct NowhereFirst {
   int wrong = 0;

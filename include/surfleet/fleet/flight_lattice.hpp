@@ -43,6 +43,10 @@ class FlightLattice {
   }
 
   Point3 position(const VoxelIndex& c) const { return origin_ + c.cast<double>() * spacing_; }
+  /// The lattice's place nearest to `p`; outside the box it may be no node.
+  VoxelIndex nearest(const Point3& p) const {
+    return ((p - origin_) / spacing_).array().round().cast<int>();
+  }
   double spacing() const { return spacing_; }
   std::size_t index(const VoxelIndex& c) const {
     return (static_cast<std::size_t>(c.z()) * static_cast<std::size_t>(count_.y()) +
@@ -81,7 +85,7 @@ class FlightLattice {
       return (c.array() >= 0).all() && (c.array() < count_.array()).all();
     };
     // Enter the lattice at every node near the start that can be flown to in a straight line.
-    const VoxelIndex home = ((start - origin_) / spacing_).array().round().template cast<int>();
+    const VoxelIndex home = nearest(start);
     for (int r = 1; r <= 3 && open.empty(); ++r)
       for (int z = -r; z <= r; ++z)
         for (int y = -r; y <= r; ++y)

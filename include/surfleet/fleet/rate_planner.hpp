@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -38,7 +39,8 @@ struct RatePlannerOptions {
 /// stop of the highest rate. The search goes outward from the robot, leaves out what is worth too
 /// little for the way, and ends when all the rest is. Plans are made anew at every stop. Where the
 /// published method commits to a tour over what is known, this one is paid for by what the next
-/// flight will discover. What was looked at in vain once, it leaves to others.
+/// flight will discover. What was looked at in vain once, it leaves to others; and where a robot
+/// has just looked it does not look again for what that look has left, were it the best there is.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -66,11 +68,13 @@ class RatePlanner {
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> waiting;
     for (std::size_t r = 0; r < request.robots.size(); ++r) {
-      if (request.robots[r].idle)
+      if (request.robots[r].idle) {
         waiting.push_back(r);
-      else
+        note_what_is_left(search, request.robots[r].configuration);
+      } else {
         for (const Stop& stop : request.robots[r].remaining)
           mark(targets.seen_from(stop.configuration.position), stop.configuration.yaw, done);
+      }
     }
     last_rate_ = 0.0;
     while (!waiting.empty()) {
@@ -160,7 +164,25 @@ class RatePlanner {
     return it->second;
   }
 
-  static constexpr double kEscape = 2.0;  ///< How far that may be [m].
+  /// What is still in view from where a robot stands was not brought by its look.
+  void note_what_is_left(const Search& s, const Configuration& at) {
+    const VoxelIndex cell = s.lattice.nearest(at.position);
+    const int heading = nearest_heading(at.yaw);
+    if ((s.lattice.position(cell) - at.position).norm() > kSamePlace ||
+        std::abs(wrap_angle(heading_angle(heading) - at.yaw)) > kSamePlace)
+      return;
+    const std::vector<char> none(s.targets.size(), 0);
+    left_[{s.lattice.index(cell), heading}] = worth_by_heading(
+        s.targets, s.targets.seen_from(at.position), none)[static_cast<std::size_t>(heading)];
+  }
+  bool is_vain(std::size_t site, std::size_t heading, double worth) const {
+    const auto it = left_.find({site, static_cast<int>(heading)});
+    return it != left_.end() && worth <= kMore * it->second;
+  }
+
+  static constexpr double kSamePlace = 0.02;  ///< [m, rad]
+  static constexpr double kMore = 1.1;    ///< Times what was left, for another look to be worth it.
+  static constexpr double kEscape = 2.0;  ///< How far a robot leaves an obstacle first [m].
 
   std::optional<Candidate> best_stop(const Search& s, std::span<const char> done,
                                      const Configuration& from) {
@@ -182,7 +204,8 @@ class RatePlanner {
       };
       if (!pays(s.around.largest())) return false;
       if (!pays(s.around(site.position))) return true;
-      View& view = view_from(s.targets, s.lattice.index(site.cell), site.position);
+      const std::size_t id = s.lattice.index(site.cell);
+      View& view = view_from(s.targets, id, site.position);
       const auto better = [&](std::size_t k, double worth) {
         return worth > 0.0 && (!best || worth > best->rate * (cost + turn[k]));
       };
@@ -197,11 +220,12 @@ class RatePlanner {
         worth = worth_by_heading(s.targets, view.seen, done);
       }
       for (std::size_t k = 0; k < kHeadings; ++k) {
+        if (is_vain(id, k, worth[k])) continue;
         broadest_ = std::max(broadest_, worth[k]);
         if (better(k, worth[k]))
           best = Candidate{{site.position, heading_angle(static_cast<int>(k))},
                            worth[k] / (cost + turn[k]),
-                           s.lattice.index(site.cell),
+                           id,
                            static_cast<int>(k)};
       }
       return true;
@@ -234,6 +258,8 @@ class RatePlanner {
 
   std::unordered_map<std::size_t, View> sites_;
   std::vector<std::vector<std::int32_t>> members_;  // elements by target
+  /// In view from places and headings when a robot last had looked from there [m²].
+  std::map<std::pair<std::size_t, int>, double> left_;
   double broadest_ = 0.0;
   double last_rate_ = 0.0;
 };
