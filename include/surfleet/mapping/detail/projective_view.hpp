@@ -308,16 +308,21 @@ class BlockObserver {
     seen = said;
     if (any == 0) return false;
     if (!view_.planes.empty()) {
+      const SurfacePlane* const planes = view_.planes.data();
+      std::array<float, kSlice> plane;
       for (std::size_t i = 0; i < kSlice; ++i) {
-        const SurfacePlane& p = view_.planes[static_cast<std::size_t>(pixel[i])];
+        const SurfacePlane& p = planes[static_cast<std::size_t>(pixel[i])];
         const float d = p.offset - p.nx * across[i] - p.ny * down[i] - p.nz * depth[i];
-        if (std::abs(sdf[i]) < slant) sdf[i] = std::clamp(d, -truncation_, truncation_);
+        plane[i] = smaller(larger(d, -truncation), truncation);
       }
-    } else {
       for (std::size_t i = 0; i < kSlice; ++i)
-        if (std::abs(sdf[i]) < slant && seen[i] > 0.0F) refine(i, u[i], v[i], depth[i]);
+        distance[i] = std::abs(distance[i]) < slant ? plane[i] : distance[i];
+      for (std::size_t i = 0; i < kSlice; ++i) sdf[i] = smaller(distance[i], truncation);
+      return true;
     }
-    for (std::size_t i = 0; i < kSlice; ++i) sdf[i] = std::min(sdf[i], truncation_);
+    for (std::size_t i = 0; i < kSlice; ++i)
+      if (std::abs(sdf[i]) < slant && seen[i] > 0.0F) refine(i, u[i], v[i], depth[i]);
+    for (std::size_t i = 0; i < kSlice; ++i) sdf[i] = smaller(sdf[i], truncation);
     return true;
   }
 
