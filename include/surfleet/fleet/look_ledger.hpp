@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -42,9 +41,9 @@ class LookLedger {
   }
   /// No path was found to a configuration that sees these: one failure for each place.
   void not_reached(std::span<const VoxelIndex> voxels) {
-    std::set<Key> places;
+    std::set<VoxelKey> places;
     for (const VoxelIndex& v : voxels) places.insert(key(v));
-    for (const Key& place : places) ++entries_[place].failures;
+    for (const VoxelKey& place : places) ++entries_[place].failures;
   }
 
   /// Whether no look was in vain yet.
@@ -76,10 +75,9 @@ class LookLedger {
     int failures = 0;
   };
   static constexpr double kSamePlace = 0.98;  ///< Cosine of ten degrees.
-  using Key = std::array<int, 3>;
-  static Key key(const VoxelIndex& v) { return {v.x() >> 1, v.y() >> 1, v.z() >> 1}; }
+  static VoxelKey key(const VoxelIndex& v) { return {v.x() >> 1, v.y() >> 1, v.z() >> 1}; }
   LookLedgerOptions options_;
   double same_side_;
-  std::map<Key, Entry> entries_;
+  std::map<VoxelKey, Entry> entries_;
 };
 }  // namespace surfleet

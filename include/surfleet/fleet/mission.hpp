@@ -577,14 +577,13 @@ class Mission {
     return {time_, result_.total_path_length(), incomplete_.size(), known_.grid().block_count()};
   }
   void account_for_rest() {
-    std::map<std::array<int, 3>, LeftReason> planned;
-    for (const auto& [v, reason] : impossible_) planned[{v.x(), v.y(), v.z()}] = reason;
+    std::map<VoxelKey, LeftReason> planned;
+    for (const auto& [v, reason] : impossible_) planned[key_of(v)] = reason;
     incomplete_.for_each([&](const IncompleteElement& e) {
       LeftReason reason = LeftReason::not_attempted;
       if (const auto given = ledger_.reason(e.voxel)) {
         reason = *given;
-      } else if (const auto it = planned.find({e.voxel.x(), e.voxel.y(), e.voxel.z()});
-                 it != planned.end()) {
+      } else if (const auto it = planned.find(key_of(e.voxel)); it != planned.end()) {
         reason = it->second;
       }
       ++result_.reasons[reason];

@@ -73,7 +73,8 @@ class RatePlanner {
         note_what_is_left(search, request.robots[r].configuration);
       } else {
         for (const Stop& stop : request.robots[r].remaining)
-          mark(targets.seen_from(stop.configuration.position), stop.configuration.yaw, done);
+          mark_in_view(targets.seen_from(stop.configuration.position),
+                       nearest_heading(stop.configuration.yaw), done, [](std::size_t) {});
       }
     }
     last_rate_ = 0.0;
@@ -163,17 +164,25 @@ class RatePlanner {
     if (fresh) it->second.seen = targets.in_view(position);
     return it->second;
   }
+  /// Leaves of a view what is really in sight.
+  static void look(const SightTargets<>& targets, const Point3& position, View& view) {
+    if (!view.in_sight) targets.keep_in_sight(position, view.seen);
+    view.in_sight = true;
+  }
 
   /// What is still in view from where a robot stands was not brought by its look.
   void note_what_is_left(const Search& s, const Configuration& at) {
     const VoxelIndex cell = s.lattice.nearest(at.position);
+    const Point3 place = s.lattice.position(cell);
     const int heading = nearest_heading(at.yaw);
-    if ((s.lattice.position(cell) - at.position).norm() > kSamePlace ||
+    if ((place - at.position).norm() > kSamePlace ||
         std::abs(wrap_angle(heading_angle(heading) - at.yaw)) > kSamePlace)
       return;
+    View& view = view_from(s.targets, s.lattice.index(cell), place);
+    look(s.targets, place, view);
     const std::vector<char> none(s.targets.size(), 0);
-    left_[{s.lattice.index(cell), heading}] = worth_by_heading(
-        s.targets, s.targets.seen_from(at.position), none)[static_cast<std::size_t>(heading)];
+    left_[{s.lattice.index(cell), heading}] =
+        worth_by_heading(s.targets, view.seen, none)[static_cast<std::size_t>(heading)];
   }
   bool is_vain(std::size_t site, std::size_t heading, double worth) const {
     const auto it = left_.find({site, static_cast<int>(heading)});
@@ -181,18 +190,13 @@ class RatePlanner {
   }
 
   static constexpr double kSamePlace = 0.02;  ///< [m, rad]
-  static constexpr double kMore = 1.1;    ///< Times what was left, for another look to be worth it.
-  static constexpr double kEscape = 2.0;  ///< How far a robot leaves an obstacle first [m].
+  static constexpr double kMore = 1.1;  ///< Times what was left, for another look to be worth it.
 
   std::optional<Candidate> best_stop(const Search& s, std::span<const char> done,
                                      const Configuration& from) {
     std::optional<Candidate> best;
     if (s.targets.size() == 0) return best;
-    const FreeSpace& space = s.request.free_space;
-    // A robot beside what has since turned out to be an obstacle first leaves for free space.
-    const Point3 start = space.is_free(from.position)
-                             ? from.position
-                             : space.nearest_free(from.position, kEscape).value_or(from.position);
+    const Point3 start = s.request.free_space.free_start(from.position);
     std::array<double, kHeadings> turn;
     for (int k = 0; k < kHeadings; ++k)
       turn[static_cast<std::size_t>(k)] =
@@ -215,8 +219,7 @@ class RatePlanner {
         bool promising = false;
         for (std::size_t k = 0; k < kHeadings; ++k) promising |= better(k, worth[k]);
         if (!promising) return true;
-        s.targets.keep_in_sight(site.position, view.seen);
-        view.in_sight = true;
+        look(s.targets, site.position, view);
         worth = worth_by_heading(s.targets, view.seen, done);
       }
       for (std::size_t k = 0; k < kHeadings; ++k) {
@@ -239,21 +242,12 @@ class RatePlanner {
   /// Marks what the stop sees and names the incomplete elements among it.
   Stop make_stop(const PlanRequest& request, const Candidate& c, std::vector<char>& done) {
     Stop stop{c.configuration, {}};
-    for (const Sighting& s : sites_.at(c.site).seen) {
-      const auto id = static_cast<std::size_t>(s.target);
-      if ((s.headings >> c.heading & 1U) == 0U || done[id] != 0) continue;
-      done[id] = 1;
-      if (id < members_.size())
-        for (const std::int32_t i : members_[id])
-          stop.targets.push_back(request.work[static_cast<std::size_t>(i)].voxel);
-    }
+    mark_in_view(sites_.at(c.site).seen, c.heading, done, [&](std::size_t id) {
+      if (id >= members_.size()) return;
+      for (const std::int32_t i : members_[id])
+        stop.targets.push_back(request.work[static_cast<std::size_t>(i)].voxel);
+    });
     return stop;
-  }
-
-  static void mark(const std::vector<Sighting>& seen, double yaw, std::vector<char>& done) {
-    const int k = nearest_heading(yaw);
-    for (const Sighting& s : seen)
-      if ((s.headings >> k & 1U) != 0U) done[static_cast<std::size_t>(s.target)] = 1;
   }
 
   std::unordered_map<std::size_t, View> sites_;

@@ -241,6 +241,17 @@ class SightTargets {
   std::vector<Entry> entries_;      // in the same order
 };
 
+/// Marks in `done` the targets in view at a heading; `fn(id)` is told of those not marked before.
+template <typename Fn>
+void mark_in_view(std::span<const Sighting> seen, int heading, std::vector<char>& done, Fn&& fn) {
+  for (const Sighting& s : seen) {
+    const auto id = static_cast<std::size_t>(s.target);
+    if ((s.headings >> heading & 1U) == 0U || done[id] != 0) continue;
+    done[id] = 1;
+    fn(id);
+  }
+}
+
 /// For every heading, the worth in view; targets marked in `done` count nothing.
 template <typename Sight>
 std::array<double, kHeadings> worth_by_heading(const SightTargets<Sight>& targets,

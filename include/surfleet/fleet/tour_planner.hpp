@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <concepts>
 #include <set>
@@ -221,14 +220,13 @@ class TourPlanner {
   std::vector<IncompleteElement> unassigned(const PlanRequest& request) const {
     std::vector<IncompleteElement> elements(request.work.begin(), request.work.end());
     if (!options.asynchronous || !options.exclusive) return elements;
-    std::set<std::array<int, 3>> taken;
+    std::set<VoxelKey> taken;
     for (const RobotRequest& robot : request.robots)
       if (!robot.idle)
         for (const Stop& stop : robot.remaining)
-          for (const VoxelIndex& v : stop.targets) taken.insert({v.x(), v.y(), v.z()});
-    std::erase_if(elements, [&](const IncompleteElement& e) {
-      return taken.contains({e.voxel.x(), e.voxel.y(), e.voxel.z()});
-    });
+          for (const VoxelIndex& v : stop.targets) taken.insert(key_of(v));
+    std::erase_if(elements,
+                  [&](const IncompleteElement& e) { return taken.contains(key_of(e.voxel)); });
     return elements;
   }
 };

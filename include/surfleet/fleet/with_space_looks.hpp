@@ -3,11 +3,8 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <concepts>
 #include <cstddef>
-#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -63,7 +60,7 @@ class WithSpaceLooks {
   std::size_t looks() const { return count_; }
 
  private:
-  using Cell = std::array<int, 3>;  // of two voxels each way
+  using Cell = VoxelKey;  // of two voxels each way
 
   void send(const PlanRequest& request, PlanResult& result) {
     std::vector<Cell> cells;
@@ -84,11 +81,10 @@ class WithSpaceLooks {
     std::map<std::size_t, std::vector<Sighting>> seen;  // by site
     std::vector<char> done(targets.size(), 0);
     for (std::size_t r = 0; r < request.robots.size(); ++r) {
-      const Configuration& at = request.robots[r].configuration;
       std::optional<Stop> best;
       std::size_t best_site = 0;
       double best_rate = 0.0;
-      lattice.search(space.nearest_free(at.position, kEscape).value_or(at.position),
+      lattice.search(space.free_start(request.robots[r].configuration.position),
                      [&](const auto& site) {
                        const double cost = site.distance + options.stop_cost;
                        if (static_cast<double>(targets.size()) <= best_rate * cost) return false;
@@ -105,13 +101,8 @@ class WithSpaceLooks {
                        return true;
                      });
       if (!best) continue;
-      const int heading = nearest_heading(best->configuration.yaw);
-      for (const Sighting& s : seen.at(best_site)) {
-        const auto id = static_cast<std::size_t>(s.target);
-        if ((s.headings >> heading & 1U) == 0U || done[id] != 0) continue;
-        done[id] = 1;
-        ++looks_[cells[id]];
-      }
+      mark_in_view(seen.at(best_site), nearest_heading(best->configuration.yaw), done,
+                   [&](std::size_t id) { ++looks_[cells[id]]; });
       result.routes[r] = Stops{*best};
       ++count_;
     }
@@ -119,34 +110,34 @@ class WithSpaceLooks {
 
   /// Unknown cells in and before the places from which elements without a view would be in view.
   std::set<Cell> space_wanted(const PlanRequest& request, const PlanResult& result) const {
-    std::set<Cell> unreachable, other;  // elements, by why they are left
+    std::set<VoxelKey> unreachable, other;  // elements, by why they are left
     for (const auto& [v, reason] : result.impossible)
       if (reason != LeftReason::no_free_pose)
-        (reason == LeftReason::unreachable ? unreachable : other).insert({v.x(), v.y(), v.z()});
+        (reason == LeftReason::unreachable ? unreachable : other).insert(key_of(v));
     if (static_cast<double>(request.work.size()) - static_cast<double>(other.size()) <
         options.least_share * static_cast<double>(most_work_))
       return {};
     VoxelStateMap::Accessor state(request.observed);
+    const double cell = 2.0 * request.observed.voxel_size();
     std::set<Cell> cells;
     for (const IncompleteElement& e : request.work) {
-      if (other.contains({e.voxel.x(), e.voxel.y(), e.voxel.z()})) continue;
+      if (other.contains(key_of(e.voxel))) continue;
       const Eigen::Vector3d towards = view_direction(request, e);
       for (const double share : {1.0, 0.75, 1.25}) {
         const Point3 pose = e.position + share * options.distance * towards;
         if (!request.free_space.in_bounds(pose)) continue;
         if (!has_room(request, state, pose, cells)) continue;
-        // The line of sight, and the straight way there.
-        const Point3 robot = nearest_robot(request, pose);
-        const double cell = 2.0 * request.observed.voxel_size();
+        // The line of sight, and the straight way there if that is what lacks.
         for (double t = 0.0; t < share * options.distance; t += cell) {
           const VoxelIndex c =
               ((e.position + t * towards) / cell).array().floor().template cast<int>();
-          if (state(c * 2) == VoxelState::unknown) cells.insert({c.x(), c.y(), c.z()});
+          if (state(c * 2) == VoxelState::unknown) cells.insert(key_of(c));
         }
-        const double way = (robot - pose).norm(), step = request.free_space.required_distance();
-        if (unreachable.contains({e.voxel.x(), e.voxel.y(), e.voxel.z()}))
-          for (double t = step; t < way; t += step)
-            has_room(request, state, pose + (robot - pose) * (t / way), cells);
+        if (!unreachable.contains(key_of(e.voxel))) break;
+        const Eigen::Vector3d way = nearest_robot(request, pose) - pose;
+        const double step = request.free_space.required_distance();
+        for (double t = step; t < way.norm(); t += step)
+          has_room(request, state, pose + way * (t / way.norm()), cells);
         break;
       }
     }
@@ -190,7 +181,7 @@ class WithSpaceLooks {
       for (int y = -n; y <= n; ++y)
         for (int x = -n; x <= n; ++x) {
           const VoxelIndex c = middle + VoxelIndex(x, y, z);
-          const Cell key{c.x(), c.y(), c.z()};
+          const Cell key = key_of(c);
           if ((center(request, key) - pose).norm() > radius) continue;
           const VoxelState s = state(c * 2);
           if (s == VoxelState::occupied) return false;
@@ -204,9 +195,9 @@ class WithSpaceLooks {
            request.observed.voxel_size();
   }
 
-  static constexpr int kDepth = 3;        ///< Unknown voxels a look at space may pass.
-  static constexpr double kEscape = 2.0;  ///< How far a robot leaves an obstacle first [m].
-  static constexpr double kTurn = radians(5.0);
+  static constexpr int kDepth = 3;  ///< Unknown voxels a look at space may pass.
+  static constexpr double kTurn =
+      radians(5.0);  ///< Of a view's elevation, from one try to the next.
 
   std::map<Cell, int> looks_;
   std::size_t count_ = 0, most_work_ = 0;

@@ -20,6 +20,9 @@
 namespace surfleet {
 /// Integer coordinates of a voxel, or of a block of voxels.
 using VoxelIndex = Eigen::Vector3i;
+/// The same as a key of ordered containers.
+using VoxelKey = std::array<int, 3>;
+inline VoxelKey key_of(const VoxelIndex& v) { return {v.x(), v.y(), v.z()}; }
 using BlockIndex = Eigen::Vector3i;
 
 struct VoxelGridOptions {

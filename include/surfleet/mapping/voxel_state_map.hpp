@@ -40,12 +40,10 @@ class VoxelStateMap {
     std::size_t changed = 0;
     for (const std::uint32_t slot : map.changed_since(cursor_)) {
       const TsdfMap::Block& source = map.block(slot);
-      // Without branches, so that it becomes vector code: most of a block stays as it was.
       std::array<VoxelState, TsdfMap::kBlockVoxels> states;
       for (std::size_t i = 0; i < states.size(); ++i) {
         const TsdfVoxel& v = source.voxels[i];
-        const int known = static_cast<int>(v.weight >= threshold);
-        states[i] = static_cast<VoxelState>(known * (2 - static_cast<int>(v.distance > surface)));
+        states[i] = voxel_state({v.distance - surface, v.weight}, threshold);
       }
       std::uint32_t own = grid_.find_slot(source.index);
       if (own == Grid::kNone) {

@@ -293,6 +293,12 @@ class FreeSpace {
     return std::nullopt;
   }
 
+  /// Where a search for ways begins: `p`, or beside what has since turned out to be an obstacle the
+  /// way out of it, if there is one within `max_distance`.
+  Point3 free_start(const Point3& p, double max_distance = 2.0) const {
+    return is_free(p) ? p : nearest_free(p, max_distance).value_or(p);
+  }
+
   // -- the voxel lattice -------------------------------------------------------------------------
   /// Free centres, a bit a voxel; bit `Grid::offset_of(v)`.
   using FreeBits = std::array<std::uint64_t, Grid::kBlockVoxels / 64>;

@@ -75,8 +75,8 @@ inline double segment_distance(const Point3& a, const Point3& b, const Point3& c
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w),
                vw = v.dot(w), det = uu * vv - uv * uv;
   double s = det > 1e-12 * uu * vv ? std::clamp((uv * vw - vv * uw) / det, 0.0, 1.0) : 0.0;
-  double t = vv > 0.0 ? (uv * s + vw) / vv : -1.0;
-  if (t < 0.0 || t > 1.0) {
+  double t = vv > 0.0 ? (uv * s + vw) / vv : 0.0;
+  if (!(vv > 0.0) || t < 0.0 || t > 1.0) {
     t = std::clamp(t, 0.0, 1.0);
     s = uu > 0.0 ? std::clamp((uv * t - uw) / uu, 0.0, 1.0) : 0.0;
   }
