@@ -8,8 +8,10 @@
 #include <surfleet/core/random.hpp>
 
 #include "check.hpp"
+#include "random_clusters.hpp"
 
 using namespace surfleet;
+using namespace allocation_test;
 
 namespace {
 struct ArchetypeUtility {
@@ -28,19 +30,6 @@ void utility_laws(const U& u) {
   }
   CHECK(u(1.0, infinity, 0.0) == 0.0);
 }
-
-std::vector<ConfigurationCluster<Point3>> random_clusters(Random& random, int count, int most) {
-  std::vector<ConfigurationCluster<Point3>> clusters(count);
-  for (auto& c : clusters) {
-    c.gain = random.uniform(0.01, 0.3);
-    const Point3 centre{random.uniform(0, 60), random.uniform(0, 40), random.uniform(0, 15)};
-    const int n = 1 + static_cast<int>(random.below(static_cast<std::uint64_t>(most)));
-    for (int k = 0; k < n; ++k)
-      c.configurations.push_back(centre +
-                                 Point3{random.normal(), random.normal(), random.normal()});
-  }
-  return clusters;
-}
 }  // namespace
 
 TEST(utilities_reward_gain_and_penalise_length) {
@@ -52,7 +41,7 @@ TEST(utilities_reward_gain_and_penalise_length) {
 
 TEST(edges_are_the_six_tuple) {
   Random random(7);
-  const auto clusters = random_clusters(random, 8, 6);
+  const auto clusters = random_clusters(random, Point3(60, 40, 15), 8, 6);
   const std::vector<Point3> starts = {Point3(0, 0, 0), Point3(60, 40, 0)};
   const ExponentialUtility u;
   const ClusterGraph<Point3> graph(clusters, starts);

@@ -10,30 +10,14 @@
 #include <surfleet/core/random.hpp>
 
 #include "check.hpp"
+#include "random_clusters.hpp"
 
 using namespace surfleet;
+using namespace allocation_test;
 
 namespace {
-using Clusters = std::vector<ConfigurationCluster<Point3>>;
+const Point3 kRoom(30, 20, 10);
 
-Clusters random_clusters(Random& random, int count, int most) {
-  Clusters clusters(count);
-  for (auto& c : clusters) {
-    c.gain = random.uniform(0.01, 0.3);
-    const Point3 centre{random.uniform(0, 30), random.uniform(0, 20), random.uniform(0, 10)};
-    const int n = 1 + static_cast<int>(random.below(static_cast<std::uint64_t>(most)));
-    for (int k = 0; k < n; ++k)
-      c.configurations.push_back(centre +
-                                 Point3{random.normal(), random.normal(), random.normal()});
-  }
-  return clusters;
-}
-std::vector<Point3> random_starts(Random& random, int count) {
-  std::vector<Point3> starts;
-  for (int r = 0; r < count; ++r)
-    starts.push_back({random.uniform(0, 30), random.uniform(0, 20), 0.0});
-  return starts;
-}
 template <ClusterRouting G>
 void is_partition(const G& graph, const FleetPlan& plan) {
   CHECK(static_cast<int>(plan.routes.size()) == graph.robots());
@@ -114,7 +98,8 @@ static_assert(RouteSetFunction<ArchetypeValue, ArchetypeRouting>);
 TEST(best_insertion_is_the_best_of_all_places) {
   Random random(1);
   for (int trial = 0; trial < 30; ++trial) {
-    const ClusterGraph<Point3> graph(random_clusters(random, 7, 5), random_starts(random, 1));
+    const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 7, 5),
+                                     random_starts(random, kRoom, 1));
     const std::vector<int> order = {4, 2, 0, 5, 1};
     const auto check_measure = [&](const auto& measure) {
       double most = -std::numeric_limits<double>::infinity();
@@ -134,7 +119,8 @@ TEST(tour_utility_is_monotone_and_near_the_best_order) {
   Random random(2);
   double found = 0.0, best = 0.0;
   for (int trial = 0; trial < 20; ++trial) {
-    const ClusterGraph<Point3> graph(random_clusters(random, 6, 4), random_starts(random, 1));
+    const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 6, 4),
+                                     random_starts(random, kRoom, 1));
     const TourUtility<> value{};
     Route route;
     for (int c = 0; c < 6; ++c) {
@@ -156,7 +142,8 @@ TEST(tour_utility_is_monotone_and_near_the_best_order) {
 TEST(tour_utility_is_exact_where_exits_do_not_depend_on_the_order) {
   Random random(3);
   for (int trial = 0; trial < 20; ++trial) {
-    const ClusterGraph<Point3> graph(random_clusters(random, 6, 1), random_starts(random, 1));
+    const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 6, 1),
+                                     random_starts(random, kRoom, 1));
     std::vector<int> all(6);
     std::iota(all.begin(), all.end(), 0);
     CHECK_NEAR((TourUtility<>{}.arrange(graph, 0, all).value),
@@ -173,8 +160,8 @@ TEST(tsga_reaches_half_of_the_optimum_and_usually_most_of_it) {
   double found = 0.0, improved = 0.0, best = 0.0;
   for (int trial = 0; trial < 25; ++trial) {
     const int robots = 1 + trial % 3;
-    const ClusterGraph<Point3> graph(random_clusters(random, 6, 1 + trial % 4),
-                                     random_starts(random, robots));
+    const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 6, 1 + trial % 4),
+                                     random_starts(random, kRoom, robots));
     const FleetPlan plan = TspGreedyAllocator{}(graph);
     is_partition(graph, plan);
     CHECK(plan.unassigned.empty());
@@ -194,8 +181,8 @@ TEST(tsga_reaches_half_of_the_optimum_and_usually_most_of_it) {
 
 TEST(nnb_gives_every_robot_its_best_cluster) {
   Random random(5);
-  const Clusters clusters = random_clusters(random, 9, 4);
-  const auto starts = random_starts(random, 3);
+  const Clusters clusters = random_clusters(random, kRoom, 9, 4);
+  const auto starts = random_starts(random, kRoom, 3);
   const ClusterGraph<Point3> graph(clusters, starts);
   const FleetPlan plan = NearestNeighbourAllocator{}(graph);
   is_partition(graph, plan);
@@ -222,7 +209,8 @@ TEST(makespan_aware_evens_out_and_improvement_never_hurts) {
   Random random(6);
   double greedy = 0.0, even = 0.0, improved = 0.0;
   for (int trial = 0; trial < 8; ++trial) {
-    const ClusterGraph<Point3> graph(random_clusters(random, 24, 3), random_starts(random, 3));
+    const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 24, 3),
+                                     random_starts(random, kRoom, 3));
     const FleetPlan tsga = TspGreedyAllocator{}(graph);
     const FleetPlan plan = MakespanAllocator{}(graph);
     is_partition(graph, plan);
@@ -240,7 +228,8 @@ TEST(makespan_aware_evens_out_and_improvement_never_hurts) {
 
 TEST(robots_on_their_way_keep_their_routes) {
   Random random(8);
-  const ClusterGraph<Point3> graph(random_clusters(random, 14, 3), random_starts(random, 3));
+  const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 14, 3),
+                                   random_starts(random, kRoom, 3));
   const AlreadyAssigned assigned{{{3, 7, 1}, {}, {12, 0}}};
   const auto check_kept = [&](const FleetPlan& plan) {
     is_partition(graph, plan);
@@ -259,7 +248,8 @@ TEST(robots_on_their_way_keep_their_routes) {
 
 TEST(constraints_hold) {
   Random random(9);
-  const ClusterGraph<Point3> graph(random_clusters(random, 12, 3), random_starts(random, 3));
+  const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 12, 3),
+                                   random_starts(random, kRoom, 3));
   TspGreedyAllocator capped;
   capped.constraint.capacity = 3;
   FleetPlan plan = capped(graph);
@@ -288,7 +278,8 @@ TEST(constraints_hold) {
 
 TEST(largest_gain_first_orders_by_gain) {
   Random random(10);
-  const ClusterGraph<Point3> graph(random_clusters(random, 12, 1), random_starts(random, 2));
+  const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 12, 1),
+                                   random_starts(random, kRoom, 2));
   const auto by_gain = LargestGainFirst{}(graph);
   const auto by_distance = NearestFirst{}(graph);
   const auto distance = [&](int c) {
@@ -319,7 +310,7 @@ TEST(nothing_to_do_is_no_error) {
   const FleetPlan no_clusters = TspGreedyAllocator{}(Clusters{}, {Point3(0, 0, 0)});
   CHECK(no_clusters.routes.size() == 1 && no_clusters.routes[0].empty());
   Random random(1);
-  const ClusterGraph<Point3> no_robots(random_clusters(random, 3, 2), {});
+  const ClusterGraph<Point3> no_robots(random_clusters(random, kRoom, 3, 2), {});
   const FleetPlan plan = TspGreedyAllocator{}(no_robots);
   CHECK(plan.routes.empty() && plan.unassigned.size() == 3 && plan.longest() == 0.0);
   is_partition(no_robots, ImproveAllocation<>{}(no_robots, plan));
@@ -343,8 +334,8 @@ TEST(archetypes_and_matrices_are_enough) {
 
 TEST(plans_repeat) {
   Random random(12);
-  const Clusters clusters = random_clusters(random, 40, 4);
-  const auto starts = random_starts(random, 4);
+  const Clusters clusters = random_clusters(random, kRoom, 40, 4);
+  const auto starts = random_starts(random, kRoom, 4);
   const ClusterGraph<Point3> graph(clusters, starts), again(clusters, starts);
   CHECK(TspGreedyAllocator{}(graph).routes == TspGreedyAllocator{}(again).routes);
   CHECK(MakespanAllocator{}(graph).routes == MakespanAllocator{}(again).routes);

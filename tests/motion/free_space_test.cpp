@@ -218,7 +218,7 @@ TEST(bodies_of_any_shape) {
   CHECK(wrong == 0);
 }
 
-TEST(settings_are_checked) {
+TEST(free_space_settings_are_checked) {
   TsdfMap tsdf({.voxel_size = 0.1});
   VoxelStateMap states(tsdf);
   CHECK_THROWS(Error, FreeSpace(states, {.radius = -1.0}));

@@ -176,7 +176,7 @@ TEST(a_winding_slit_needs_the_lattice) {
   CHECK(roadmap.size() <= size + 2);
 }
 
-TEST(settings_are_checked) {
+TEST(roadmap_settings_are_checked) {
   TsdfMap tsdf({.voxel_size = 0.3});
   const VoxelStateMap states(tsdf);
   const FreeSpace space(states);

@@ -49,7 +49,7 @@ inline int run_all(const char* filter) {
 }
 }  // namespace check
 
-/// `TEST(name) { … }` defines a case of the executable; the name must be unique in its file.
+/// `TEST(name) { … }` defines a case of the executable; the name must be unique in its room.
 #define TEST(name)                                                                        \
   static void test_##name();                                                              \
   [[maybe_unused]] static const bool registered_##name = check::add(#name, &test_##name); \

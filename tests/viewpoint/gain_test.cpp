@@ -12,7 +12,8 @@ namespace {
 using namespace surfleet;
 using namespace view_test;
 
-const PinholeCamera kCamera = PinholeCamera::from_fov(radians(90), radians(60), 320, 240, 0.5, 6.0);
+const PinholeCamera kShortCamera =
+    PinholeCamera::from_fov(radians(90), radians(60), 320, 240, 0.5, 6.0);
 
 struct ArchetypeGain {
   std::vector<unsigned> seen(const Configuration&) const { return {7U}; }
@@ -47,7 +48,7 @@ TEST(incomplete_surface_gain_agrees_with_testing_every_element) {
   Random random(9);
   const auto views = random_views(random, 40);
   for (const bool unknown_blocks : {false, true}) {
-    const ViewFrustum frustum(kCamera, forward_camera_mount(0.3, Point3(0.1, 0, 0)));
+    const ViewFrustum frustum(kShortCamera, forward_camera_mount(0.3, Point3(0.1, 0, 0)));
     const SightOptions sight{.unknown_blocks = unknown_blocks};
     const IncompleteSurfaceGain gain(elements, states, frustum, sight);
     LineOfSight line(states, sight);
@@ -75,7 +76,7 @@ TEST(few_elements_in_a_wide_frustum_are_found_too) {
   incomplete.update(map);
   const auto all = incomplete.elements();
   const std::vector<IncompleteElement> one(all.begin(), all.begin() + 1);
-  const ViewFrustum frustum(kCamera);
+  const ViewFrustum frustum(kShortCamera);
   const IncompleteSurfaceGain gain(one, states, frustum);
   Configuration q{one[0].position - Point3(2, 0, 0), 0.0};
   LineOfSight line(states);
@@ -85,7 +86,7 @@ TEST(few_elements_in_a_wide_frustum_are_found_too) {
 TEST(unknown_volume_counts_each_voxel_once_and_stops_at_walls) {
   TsdfMap map = wall_scene(20, 12, 0.25);
   const VoxelStateMap states(map);
-  const ViewFrustum frustum(kCamera);
+  const ViewFrustum frustum(kShortCamera);
   const UnknownVolumeGain gain(states, frustum, {.stride = 8});
   // Facing the wall from near by, nothing unknown is met.
   CHECK(gain.seen({Point3(0.7, 0, 0), kPi}).empty());
@@ -95,9 +96,10 @@ TEST(unknown_volume_counts_each_voxel_once_and_stops_at_walls) {
   CHECK(std::is_sorted(keys.begin(), keys.end()) &&
         std::adjacent_find(keys.begin(), keys.end()) == keys.end());
   std::set<std::tuple<int, int, int>> expected;
-  for (int v = 4; v < kCamera.height; v += 8)
-    for (int u = 4; u < kCamera.width; u += 8) {
-      const Point3 end = away.pose() * frustum.T_body_camera() * Point3(6.0 * kCamera.ray(u, v));
+  for (int v = 4; v < kShortCamera.height; v += 8)
+    for (int u = 4; u < kShortCamera.width; u += 8) {
+      const Point3 end =
+          away.pose() * frustum.T_body_camera() * Point3(6.0 * kShortCamera.ray(u, v));
       traverse_voxels(away.position, end, 0.25, [&](const VoxelIndex& i) {
         if (states(i) == VoxelState::unknown) expected.insert({i.x(), i.y(), i.z()});
         return states(i) != VoxelState::occupied;
@@ -129,7 +131,7 @@ TEST(a_cluster_gains_the_union_of_its_views) {
       CHECK_NEAR(c.gain, gain.value(all.size()), 1e-12);
     }
   };
-  const ViewFrustum frustum(kCamera);
+  const ViewFrustum frustum(kShortCamera);
   const IncompleteSurfaceGain by_elements(elements, states, frustum);
   check(by_elements);
   for (const ViewpointCluster& c : clusters) CHECK(c.gain >= 0.0 && c.gain <= 1.0);
@@ -140,7 +142,7 @@ TEST(a_cluster_gains_the_union_of_its_views) {
 TEST(no_elements_no_gain) {
   const TsdfMap map;
   const VoxelStateMap states(map);
-  const IncompleteSurfaceGain gain({}, states, ViewFrustum(kCamera));
+  const IncompleteSurfaceGain gain({}, states, ViewFrustum(kShortCamera));
   CHECK(gain.seen({}).empty());
   CHECK(gain.value(0) == 0.0);
 }

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
+#include <surfleet/viewpoint/incomplete_surface.hpp>
 
 namespace view_test {
 using namespace surfleet;
@@ -23,6 +25,12 @@ void paint(TsdfMap& map, const VoxelIndex& low, const VoxelIndex& high, Fn&& fn)
   for (int z = low.z(); z <= high.z(); ++z)
     for (int y = low.y(); y <= high.y(); ++y)
       for (int x = low.x(); x <= high.x(); ++x) set_state(map, {x, y, z}, fn(VoxelIndex(x, y, z)));
+}
+
+inline std::vector<IncompleteElement> elements_of(const TsdfMap& map) {
+  IncompleteSurface incomplete;
+  incomplete.update(map);
+  return incomplete.elements();
 }
 
 /// Occupied below `floor`, empty from there up to `top`, within ±`half` voxels; unknown elsewhere.

@@ -26,12 +26,6 @@ TsdfMap implicit_scene(double voxel, int half, const std::function<double(const 
   return map;
 }
 
-std::vector<IncompleteElement> elements_of(const TsdfMap& map) {
-  IncompleteSurface incomplete;
-  incomplete.update(map);
-  return incomplete.elements();
-}
-
 TEST(frames_of_planes_of_any_slope) {
   Random random(2);
   const double voxel = 0.2;

@@ -13,12 +13,6 @@ using namespace view_test;
 
 const PinholeCamera kCamera = PinholeCamera::from_fov(radians(90), radians(60), 320, 240, 1.0, 8.0);
 
-std::vector<IncompleteElement> elements_of(const TsdfMap& map) {
-  IncompleteSurface incomplete;
-  incomplete.update(map);
-  return incomplete.elements();
-}
-
 /// What every result owes its caller.
 template <typename IsFree>
 void check_promises(const ViewpointSet& set, std::span<const IncompleteElement> elements,
