@@ -15,5 +15,6 @@
 #include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
+#include <surfleet/fleet/unseen_space.hpp>
 #include <surfleet/fleet/with_space_looks.hpp>
 #include <surfleet/fleet/worth_around.hpp>

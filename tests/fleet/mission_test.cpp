@@ -119,6 +119,25 @@ TEST(looks_at_space_widen_what_is_known_and_come_to_an_end) {
   CHECK(result.total_path_length() > 1.0);
   CHECK(mission.map().block_count() > still.map().block_count());
 }
+TEST(a_part_that_stands_by_itself_is_found_in_unseen_space) {
+  World world;
+  // Out of the camera's range from anywhere that the first box is looked at from.
+  const Point3 middle(12.0, 0.0, 1.0);
+  append(world.mesh, make_box({middle - Point3::Ones(), middle + Point3::Ones()}));
+  world.bvh = Bvh(world.mesh);
+  MissionOptions o = box_world::options(world);
+  o.region.max().x() = 13.5;
+  o.bounds.max().x() = 17.0;
+  const auto finds_it = [&](double space_worth) {
+    RatePlanner planner;
+    planner.options.space_worth = space_worth;
+    Mission<RatePlanner, World> mission(o, world, box_world::starts(1), planner);
+    CHECK(mission.run().complete);
+    return Bvh(extract_mesh(mission.map(), {.min_weight = 1e-6F})).distance(middle) < 1.2;
+  };
+  CHECK(finds_it(RatePlannerOptions{}.space_worth));
+  CHECK(!finds_it(0.0));
+}
 /// Says how often in a row robots are sent to look once more from where they have just looked.
 struct Again {
   RatePlanner inner;

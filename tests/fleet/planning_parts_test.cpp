@@ -8,6 +8,7 @@
 #include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
+#include <surfleet/fleet/unseen_space.hpp>
 #include <surfleet/fleet/worth_around.hpp>
 
 #include "check.hpp"
@@ -126,6 +127,42 @@ TEST(worth_around_bounds_what_a_look_can_see) {
   CHECK(WorthAround({}, 1.0).largest() == 0.0 && WorthAround({}, 1.0)({0, 0, 0}) == 0.0);
 }
 
+TEST(unseen_space_is_the_border_of_what_is_known_empty) {
+  // Empty for x < 3 m, a wall at x = 3 m where y < 0, unknown behind either.
+  TsdfMap map({.voxel_size = 0.2});
+  const auto set = [&](const VoxelIndex& v, float distance) {
+    const std::uint32_t slot = map.ensure_slot(TsdfMap::block_of(v));
+    map.block(slot).voxels[TsdfMap::offset_of(v)] = {distance, 1.0F};
+    map.mark_changed(slot);
+  };
+  for (int z = -10; z < 10; ++z)
+    for (int y = -20; y < 20; ++y) {
+      for (int x = 0; x < 15; ++x) set({x, y, z}, 0.5F);
+      if (y < 0)
+        for (int x = 15; x < 20; ++x) set({x, y, z}, -0.5F);
+    }
+  VoxelStateMap states(map);
+  states.update(map);
+  UnseenSpace space(2);
+  const Box3 region(Point3(0.1, -3.9, -1.9), Point3(9.9, 3.9, 1.9));
+  space.update(states, region, 1.04);  // five voxels: 1 m
+  CHECK_NEAR(space.edge(), 1.0, 1e-12);
+  CHECK(space.size() == 4 * 4);  // of the layer at 3 to 4 m, where nothing stands before it
+  for (std::size_t i = 0; i < space.size(); ++i) {
+    CHECK_NEAR(space.center(i).x(), 3.5, 1e-12);
+    CHECK(space.center(i).y() > 0.0 && region.contains(space.center(i)));
+  }
+  space.note_look(3);
+  space.update(states, region, 1.0);
+  CHECK(space.size() == 16);
+  const Point3 given_up = space.center(3);
+  space.note_look(3);
+  space.update(states, region, 1.0);
+  CHECK(space.size() == 15);
+  for (std::size_t i = 0; i < space.size(); ++i) CHECK((space.center(i) - given_up).norm() > 0.5);
+  space.update(states, Box3(), 1.0);
+  CHECK(space.size() == 0);
+}
 TEST(ledger_gives_up_after_so_many_looks) {
   LookLedger ledger({.max_looks = 2, .max_failures = 2});
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::UnitX();

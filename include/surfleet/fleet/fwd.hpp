@@ -27,5 +27,6 @@ struct SpaceLooksOptions;
 struct Stop;
 struct TimedConfiguration;
 struct TourPlannerOptions;
+class UnseenSpace;
 class WorthAround;
 }  // namespace surfleet

@@ -14,6 +14,7 @@
 #include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/plan.hpp>
 #include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/fleet/unseen_space.hpp>
 #include <surfleet/fleet/worth_around.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>
 
@@ -25,7 +26,10 @@ struct RatePlannerOptions {
   double sight_share = 0.85;      ///< Farthest look that counts, over the camera's range.
   double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
   double prediction_worth = 0.6;  ///< Worth of predicted surface beside surface at hand.
-  int stops = 2;                  ///< Stops planned ahead for each robot.
+  /// Worth of the border to unseen space beside surface at hand, for what it may hide; 0: none.
+  double space_worth = 0.25;
+  double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
+  int stops = 2;              ///< Stops planned ahead for each robot.
   /// What one look is thought to see at the most of the worth around a place: where that much would
   /// not pay for the way, no look is tried. 1 makes the search exact.
   double view_share = 0.25;
@@ -33,14 +37,15 @@ struct RatePlannerOptions {
 
 /// Greedy flights by marginal rate.
 ///
-/// What is worth seeing is the incomplete surface and the surface predicted to go on behind it. A
-/// stop is a node of the flight lattice and a heading; its rate is what it sees and nobody else
-/// was sent to see, over the metres it costs. Each robot in turn, the best first, is given the
-/// stop of the highest rate. The search goes outward from the robot, leaves out what is worth too
-/// little for the way, and ends when all the rest is. Plans are made anew at every stop. Where the
-/// published method commits to a tour over what is known, this one is paid for by what the next
-/// flight will discover. What was looked at in vain once, it leaves to others; and where a robot
-/// has just looked it does not look again for what that look has left, were it the best there is.
+/// What is worth seeing is the incomplete surface, the surface predicted to go on behind it, and
+/// for the little that it may hide the unseen space of the region. A stop is a node of the flight
+/// lattice and a heading; its rate is what it sees and nobody else was sent to see, over the metres
+/// it costs. Each robot in turn, the best first, is given the stop of the highest rate. The search
+/// goes outward from the robot, leaves out what is worth too little for the way, and ends when all
+/// the rest is. Plans are made anew at every stop. Where the published method commits to a tour
+/// over what is known, this one is paid for by what the next flight will discover. What was looked
+/// at in vain once, it leaves to others; and where a robot has just looked it does not look again
+/// for what that look has left, were it the best there is.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -151,6 +156,15 @@ class RatePlanner {
                          {.reach = reach, .step = 2.0 * voxel, .region = request.region}))
       targets.push_back({p.position, p.normal, options.prediction_worth * p.area,
                          static_cast<int>(reach / voxel)});
+    first_space_ = targets.size();
+    if (options.space_worth > 0.0) {
+      space_.update(request.observed, request.region,
+                    options.space_share * request.camera.max_range);
+      for (std::size_t i = 0; i < space_.size(); ++i)
+        targets.push_back({space_.center(i), Eigen::Vector3d::Zero(),
+                           options.space_worth * space_.edge() * space_.edge(),
+                           static_cast<int>(std::lround(space_.edge() / voxel))});
+    }
     return targets;
   }
 
@@ -239,10 +253,11 @@ class RatePlanner {
     return best;
   }
 
-  /// Marks what the stop sees and names the incomplete elements among it.
+  /// Marks what the stop sees, names the incomplete elements among it and notes a look at the rest.
   Stop make_stop(const PlanRequest& request, const Candidate& c, std::vector<char>& done) {
     Stop stop{c.configuration, {}};
     mark_in_view(sites_.at(c.site).seen, c.heading, done, [&](std::size_t id) {
+      if (id >= first_space_) space_.note_look(id - first_space_);
       if (id >= members_.size()) return;
       for (const std::int32_t i : members_[id])
         stop.targets.push_back(request.work[static_cast<std::size_t>(i)].voxel);
@@ -251,7 +266,10 @@ class RatePlanner {
   }
 
   std::unordered_map<std::size_t, View> sites_;
+  // Targets are groups of elements, then predicted patches, then cells of unseen space.
   std::vector<std::vector<std::int32_t>> members_;  // elements by target
+  UnseenSpace space_;
+  std::size_t first_space_ = 0;  // target
   /// In view from places and headings when a robot last had looked from there [m²].
   std::map<std::pair<std::size_t, int>, double> left_;
   double broadest_ = 0.0;
