@@ -207,7 +207,10 @@ TEST(nnb_gives_every_robot_its_best_cluster) {
 
 TEST(makespan_aware_evens_out_and_improvement_never_hurts) {
   Random random(6);
-  double greedy = 0.0, even = 0.0, improved = 0.0;
+  double greedy = 0.0, even = 0.0, improved = 0.0, total = 0.0, total_with_mean = 0.0;
+  const auto sum = [](const FleetPlan& p) {
+    return std::accumulate(p.lengths.begin(), p.lengths.end(), 0.0);
+  };
   for (int trial = 0; trial < 8; ++trial) {
     const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 24, 3),
                                      random_starts(random, kRoom, 3));
@@ -218,12 +221,18 @@ TEST(makespan_aware_evens_out_and_improvement_never_hurts) {
     is_partition(graph, better);
     CHECK(better.longest() <= plan.longest() + 1e-9);
     CHECK(better.unassigned.empty());
+    const FleetPlan spare = ImproveAllocation<MakespanAndMean, TourShortness<>>{}(graph, plan);
+    is_partition(graph, spare);
+    CHECK(spare.longest() + sum(spare) <= plan.longest() + sum(plan) + 1e-9);  // 3 robots, weight 3
+    total += sum(better);
+    total_with_mean += sum(spare);
     greedy += tsga.longest();
     even += plan.longest();
     improved += better.longest();
   }
   CHECK(even < greedy);
   CHECK(improved < 0.98 * even);
+  CHECK(total_with_mean < total);
 }
 
 TEST(robots_on_their_way_keep_their_routes) {

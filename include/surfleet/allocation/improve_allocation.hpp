@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -11,7 +12,7 @@
 
 namespace surfleet {
 /// What the improvement of a plan asks of an objective: `o(routes)` is a pair to be compared in
-/// lexicographic order, the less the better. Models: `TotalValue`, `Makespan`.
+/// lexicographic order, the less the better. Models: `TotalValue`, `Makespan`, `MakespanAndMean`.
 template <typename O>
 concept FleetObjective = std::copyable<O> && requires(const O& o, const std::vector<Route>& r) {
   { o(r) } -> std::same_as<std::pair<double, double>>;
@@ -37,7 +38,19 @@ struct Makespan {
     return {longest, total};
   }
 };
-static_assert(FleetObjective<TotalValue> && FleetObjective<Makespan>);
+/// The longest time plus `mean_weight` times the mean of all: for plans that are made anew before
+/// they end, where a way saved counts later, and flying far only to be even does not pay.
+struct MakespanAndMean {
+  RouteTime time{};
+  double mean_weight = 3.0;
+  std::pair<double, double> operator()(const std::vector<Route>& routes) const {
+    const auto [longest, total] = Makespan{time}(routes);
+    const auto robots = static_cast<double>(std::max<std::size_t>(routes.size(), 1));
+    return {longest + mean_weight * total / robots, total};
+  }
+};
+static_assert(FleetObjective<TotalValue> && FleetObjective<Makespan> &&
+              FleetObjective<MakespanAndMean>);
 
 /// Improves a plan until no cluster can move to another robot, no two change places, and no two
 /// robots exchange the ends of their routes, to the objective's advantage.

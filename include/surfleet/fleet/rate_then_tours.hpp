@@ -28,9 +28,9 @@ class RateThenTours {
  public:
   First first;
   Then then;
-  double share = 0.15;  ///< Of the mean rate.
-  double broad = 0.3;   ///< Share of the broadest look of the mission that still counts as broad.
-  int memory = 4;       ///< Requests a robot that the recent rate is averaged over.
+  double share = 0.3;  ///< Of the mean rate.
+  double broad = 0.3;  ///< Share of the broadest look of the mission that still counts as broad.
+  int memory = 4;      ///< Requests a robot that the recent rate is averaged over.
 
   explicit RateThenTours(First f = First{}, Then t = Then{})
       : first(std::move(f)), then(std::move(t)) {}

@@ -237,10 +237,12 @@ using TsgaPlanner = TourPlanner<>;
 using NnbPlanner = TourPlanner<
     GreedyAllocator<TourUtility<LinKernighan>, NearestFirst, PartitionMatroid, NearestNeighbour>>;
 using ImprovedTsgaPlanner = TourPlanner<GreedyAllocator<>, ImproveAllocation<>>;
-template <ViewSelector Select>
-using MakespanTours = TourPlanner<MakespanAllocator,
-                                  ImproveAllocation<Makespan, TourShortness<LinKernighan>>, Select>;
-using MakespanPlanner = MakespanTours<MergeNearby>;
-/// The same with few, broad views: for what is left when most has been seen.
-using CoverPlanner = MakespanTours<CoverGreedily>;
+template <FleetObjective Objective, ViewSelector Select>
+using MakespanTours =
+    TourPlanner<MakespanAllocator, ImproveAllocation<Objective, TourShortness<LinKernighan>>,
+                Select>;
+using MakespanPlanner = MakespanTours<Makespan, MergeNearby>;
+/// The same with few, broad views and an eye on the way of all: for what is left when most has been
+/// seen.
+using CoverPlanner = MakespanTours<MakespanAndMean, CoverGreedily>;
 }  // namespace surfleet
