@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <limits>
 #include <span>
 #include <tuple>
@@ -162,6 +163,42 @@ TEST(unseen_space_is_the_border_of_what_is_known_empty) {
   for (std::size_t i = 0; i < space.size(); ++i) CHECK((space.center(i) - given_up).norm() > 0.5);
   space.update(states, Box3(), 1.0);
   CHECK(space.size() == 0);
+
+  // Followed by the change it is what it would be found to be anew.
+  Random random(4);
+  UnseenSpace followed;
+  const Box3 inner(Point3(0.1, -3.7, -1.7), Point3(9.7, 3.7, 1.7));
+  for (int round = 0; round < 20; ++round) {
+    for (int k = 0; k < 400; ++k)
+      set(VoxelIndex(static_cast<int>(random.below(50)), static_cast<int>(random.below(40)) - 20,
+                     static_cast<int>(random.below(20)) - 10),
+          random.uniform(0.0, 1.0) < 0.7 ? 0.5F : -0.5F);
+    states.update(map);
+    UnseenSpace anew;
+    followed.update(states, inner, 0.6);
+    anew.update(states, inner, 0.6);
+    CHECK(followed.size() == anew.size() && followed.size() > 0);
+    for (std::size_t i = 0; i < std::min(followed.size(), anew.size()); ++i)
+      CHECK(followed.center(i) == anew.center(i));
+    // Every cell there is, by the definition.
+    std::size_t count = 0;
+    const auto at = [&](int x, int y, int z) {
+      return states(VoxelIndex(3 * x + 1, 3 * y + 1, 3 * z + 1));
+    };
+    for (int z = -10; z < 10; ++z)
+      for (int y = -20; y < 20; ++y)
+        for (int x = -2; x < 30; ++x) {
+          const bool border =
+              at(x - 1, y, z) == VoxelState::empty || at(x + 1, y, z) == VoxelState::empty ||
+              at(x, y - 1, z) == VoxelState::empty || at(x, y + 1, z) == VoxelState::empty ||
+              at(x, y, z - 1) == VoxelState::empty || at(x, y, z + 1) == VoxelState::empty;
+          count += border && at(x, y, z) == VoxelState::unknown &&
+                           inner.contains(Point3(x + 0.5, y + 0.5, z + 0.5) * 0.6)
+                       ? 1
+                       : 0;
+        }
+    CHECK(followed.size() == count);
+  }
 }
 TEST(ledger_gives_up_after_so_many_looks) {
   LookLedger ledger({.max_looks = 2, .max_failures = 2});

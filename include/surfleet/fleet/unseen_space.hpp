@@ -6,7 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <map>
+#include <set>
+#include <tuple>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
@@ -25,35 +28,42 @@ class UnseenSpace {
  public:
   explicit UnseenSpace(int max_looks = 3) : max_looks_(max_looks) {}
 
-  /// Finds the border anew, in cells `edge` wide (rounded to whole voxels) whose centre lies in
-  /// `region`; an empty region means nothing to look for. O(cells of the region).
+  /// Follows one map for life: the border, in cells `edge` wide (rounded to whole voxels) whose
+  /// centre lies in `region`; an empty region means nothing to look for. O(blocks changed since the
+  /// last call), and all of them where the region or the width is a new one.
   void update(const VoxelStateMap& states, const Box3& region, double edge) {
     cells_.clear();
     if (region.isEmpty()) return;
     require(edge > 0.0 && std::isfinite(edge), "unseen space: expected cells of a positive width");
-    const int voxels = std::max(1, static_cast<int>(std::lround(edge / states.voxel_size())));
-    edge_ = voxels * states.voxel_size();
-    const auto cell_of = [&](const Point3& p) -> VoxelIndex {
-      return (p / edge_).array().floor().cast<int>();
-    };
-    const VoxelIndex lo = cell_of(region.min()), hi = cell_of(region.max());
+    const int side = std::max(1, static_cast<int>(std::lround(edge / states.voxel_size())));
+    if (side != side_ || region.min() != region_.min() || region.max() != region_.max()) {
+      border_.clear();
+      cursor_ = 0;
+      side_ = side;
+      region_ = region;
+      edge_ = side * states.voxel_size();
+    }
     VoxelStateMap::Accessor state(states);
-    const auto middle = [&](int x, int y, int z) {
-      return state(VoxelIndex(x, y, z) * voxels + VoxelIndex::Constant(voxels / 2));
-    };
-    for (int z = lo.z(); z <= hi.z(); ++z)
-      for (int y = lo.y(); y <= hi.y(); ++y)
-        for (int x = lo.x(); x <= hi.x(); ++x) {
-          if (middle(x, y, z) != VoxelState::unknown) continue;
-          const std::array around{middle(x - 1, y, z), middle(x + 1, y, z), middle(x, y - 1, z),
-                                  middle(x, y + 1, z), middle(x, y, z - 1), middle(x, y, z + 1)};
-          const VoxelKey cell{x, y, z};
-          if (std::find(around.begin(), around.end(), VoxelState::empty) == around.end() ||
-              !region.contains(center(cell)))
-            continue;
-          const auto it = looks_.find(cell);
-          if (it == looks_.end() || it->second < max_looks_) cells_.push_back(cell);
-        }
+    constexpr int kBlock = VoxelStateMap::Grid::kBlockSide;
+    const Eigen::Array3d middle = Eigen::Array3d::Constant(side_ / 2);
+    for (const std::uint32_t slot : states.grid().changed_since(cursor_)) {
+      // The cells whose middle voxel lies in the block, and their neighbours.
+      const Eigen::Array3d first = (states.grid().block(slot).index * kBlock).cast<double>();
+      const VoxelIndex lo = ((first - middle) / side_).ceil().cast<int>();
+      const VoxelIndex hi = ((first + (kBlock - 1) - middle) / side_).floor().cast<int>();
+      for (int z = lo.z(); z <= hi.z(); ++z)
+        for (int y = lo.y(); y <= hi.y(); ++y)
+          for (int x = lo.x(); x <= hi.x(); ++x) {
+            const VoxelIndex cell(x, y, z);
+            examine(state, cell);
+            for (const VoxelIndex& d : kFaces) examine(state, cell + d);
+          }
+    }
+    cursor_ = states.grid().revision();
+    for (const VoxelKey& cell : border_) {
+      const auto it = looks_.find(cell);
+      if (it == looks_.end() || it->second < max_looks_) cells_.push_back(cell);
+    }
   }
 
   /// The border as of the last update, in the order z, y, x.
@@ -65,13 +75,38 @@ class UnseenSpace {
   void note_look(std::size_t i) { ++looks_[cells_[i]]; }
 
  private:
+  struct ByLayer {
+    bool operator()(const VoxelKey& a, const VoxelKey& b) const {
+      return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]);
+    }
+  };
+  static inline const std::array<VoxelIndex, 6> kFaces{VoxelIndex(-1, 0, 0), VoxelIndex(1, 0, 0),
+                                                       VoxelIndex(0, -1, 0), VoxelIndex(0, 1, 0),
+                                                       VoxelIndex(0, 0, -1), VoxelIndex(0, 0, 1)};
+
   Point3 center(const VoxelKey& c) const {
     return (Point3(c[0], c[1], c[2]) + Point3::Constant(0.5)) * edge_;
   }
+  void examine(VoxelStateMap::Accessor& state, const VoxelIndex& cell) {
+    const auto at = [&](const VoxelIndex& c) {
+      return state(c * side_ + VoxelIndex::Constant(side_ / 2));
+    };
+    const VoxelKey key = key_of(cell);
+    if (at(cell) == VoxelState::unknown && region_.contains(center(key)) &&
+        std::any_of(kFaces.begin(), kFaces.end(),
+                    [&](const VoxelIndex& d) { return at(cell + d) == VoxelState::empty; }))
+      border_.insert(key);
+    else
+      border_.erase(key);
+  }
 
   int max_looks_;
-  double edge_ = 0.0;
-  std::vector<VoxelKey> cells_;
+  int side_ = 0;       // of a cell, in voxels
+  double edge_ = 0.0;  // the same [m]
+  Box3 region_;
+  std::uint64_t cursor_ = 0;
+  std::set<VoxelKey, ByLayer> border_;
+  std::vector<VoxelKey> cells_;  // of the border, less what was given up
   std::map<VoxelKey, int> looks_;
 };
 }  // namespace surfleet
