@@ -13,6 +13,7 @@
 #include <surfleet/fleet/worth_around.hpp>
 
 #include "check.hpp"
+#include "paint_states.hpp"
 
 namespace {
 using namespace surfleet;
@@ -131,19 +132,10 @@ TEST(worth_around_bounds_what_a_look_can_see) {
 TEST(unseen_space_is_the_border_of_what_is_known_empty) {
   // Empty for x < 3 m, a wall at x = 3 m where y < 0, unknown behind either.
   TsdfMap map({.voxel_size = 0.2});
-  const auto set = [&](const VoxelIndex& v, float distance) {
-    const std::uint32_t slot = map.ensure_slot(TsdfMap::block_of(v));
-    map.block(slot).voxels[TsdfMap::offset_of(v)] = {distance, 1.0F};
-    map.mark_changed(slot);
-  };
-  for (int z = -10; z < 10; ++z)
-    for (int y = -20; y < 20; ++y) {
-      for (int x = 0; x < 15; ++x) set({x, y, z}, 0.5F);
-      if (y < 0)
-        for (int x = 15; x < 20; ++x) set({x, y, z}, -0.5F);
-    }
+  map_test::paint(map, {0, -20, -10}, {19, 19, 9}, [](const VoxelIndex& v) {
+    return v.x() < 15 ? VoxelState::empty : v.y() < 0 ? VoxelState::occupied : VoxelState::unknown;
+  });
   VoxelStateMap states(map);
-  states.update(map);
   UnseenSpace space(2);
   const Box3 region(Point3(0.1, -3.9, -1.9), Point3(9.9, 3.9, 1.9));
   space.update(states, region, 1.04);  // five voxels: 1 m
@@ -170,9 +162,11 @@ TEST(unseen_space_is_the_border_of_what_is_known_empty) {
   const Box3 inner(Point3(0.1, -3.7, -1.7), Point3(9.7, 3.7, 1.7));
   for (int round = 0; round < 20; ++round) {
     for (int k = 0; k < 400; ++k)
-      set(VoxelIndex(static_cast<int>(random.below(50)), static_cast<int>(random.below(40)) - 20,
+      map_test::set_state(
+          map,
+          VoxelIndex(static_cast<int>(random.below(50)), static_cast<int>(random.below(40)) - 20,
                      static_cast<int>(random.below(20)) - 10),
-          random.uniform(0.0, 1.0) < 0.7 ? 0.5F : -0.5F);
+          random.uniform(0.0, 1.0) < 0.7 ? VoxelState::empty : VoxelState::occupied);
     states.update(map);
     UnseenSpace anew;
     followed.update(states, inner, 0.6);

@@ -5,27 +5,15 @@
 #include <cmath>
 #include <vector>
 
+#include "paint_states.hpp"
+
 #include <surfleet/core/random.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
 
 namespace view_test {
 using namespace surfleet;
-
-inline void set_state(TsdfMap& map, const VoxelIndex& v, VoxelState s) {
-  const std::uint32_t slot = map.ensure_slot(TsdfMap::block_of(v));
-  map.block(slot).voxels[TsdfMap::offset_of(v)] = {s == VoxelState::empty ? 0.5F : -0.5F,
-                                                   s == VoxelState::unknown ? 0.1F : 1.0F};
-  map.mark_changed(slot);
-}
-
-/// Gives every voxel of [low, high] the state that `fn(voxel)` says.
-template <typename Fn>
-void paint(TsdfMap& map, const VoxelIndex& low, const VoxelIndex& high, Fn&& fn) {
-  for (int z = low.z(); z <= high.z(); ++z)
-    for (int y = low.y(); y <= high.y(); ++y)
-      for (int x = low.x(); x <= high.x(); ++x) set_state(map, {x, y, z}, fn(VoxelIndex(x, y, z)));
-}
+using namespace map_test;
 
 inline std::vector<IncompleteElement> elements_of(const TsdfMap& map) {
   IncompleteSurface incomplete;
