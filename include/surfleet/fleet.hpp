@@ -16,5 +16,6 @@
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
+#include <surfleet/fleet/view_memory.hpp>
 #include <surfleet/fleet/with_space_looks.hpp>
 #include <surfleet/fleet/worth_around.hpp>

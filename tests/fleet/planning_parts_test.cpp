@@ -10,7 +10,9 @@
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
+#include <surfleet/fleet/view_memory.hpp>
 #include <surfleet/fleet/worth_around.hpp>
+#include <surfleet/viewpoint/gain.hpp>
 
 #include "check.hpp"
 #include "paint_states.hpp"
@@ -127,6 +129,92 @@ TEST(worth_around_bounds_what_a_look_can_see) {
   }
   CHECK(around.largest() >= most - 1e-9);
   CHECK(WorthAround({}, 1.0).largest() == 0.0 && WorthAround({}, 1.0)({0, 0, 0}) == 0.0);
+}
+
+TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
+  constexpr double kVoxel = 0.3;
+  TsdfMap map({.voxel_size = kVoxel});
+  Random random(6);
+  // Pillars on a floor, and unknown space among them that ends what is known.
+  map_test::paint(map, {-36, -36, 0}, {36, 36, 13}, [](const VoxelIndex& v) {
+    const bool pillar = (v.x() & 15) < 4 && (v.y() & 15) < 4 && v.z() < 9;
+    return v.z() == 0 || pillar                 ? VoxelState::occupied
+           : (v.x() + 40) % 23 < 3 && v.z() < 6 ? VoxelState::unknown
+                                                : VoxelState::empty;
+  });
+  VoxelStateMap states(map);
+  FreeSpace free(states, {.radius = 0.4, .margin = 0.3});
+  IncompleteSurface incomplete;
+  incomplete.update(states);
+  const PinholeCamera camera = PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0);
+  const ViewFrustum frustum(camera);
+  LookLedger ledger({.max_looks = 3});
+
+  ChangedRegions changed;
+  ViewpointMemory viewpoints;
+  SightMemory sights;
+  double wall = 9.0;  // nothing beyond can be reached
+  std::size_t asked = 0;
+  const auto is_free = [&](const Configuration& q) { return free.is_free(q.position); };
+  const auto is_reachable = [&](const Configuration& q) { return q.position.x() < wall; };
+  const auto promises = [&](const IncompleteElement& e, const Eigen::Vector3d& d) {
+    ++asked;
+    return ledger.promises(e.voxel, d);
+  };
+  std::size_t anew = 0, remembered = 0;
+  for (int round = 0; round < 12; ++round) {
+    const std::vector<IncompleteElement> elements = incomplete.elements();
+    const std::vector<Box3> boxes = changed(states, states, free);
+    CHECK(round == 0 || !boxes.empty());
+    viewpoints.forget(boxes);
+    sights.forget(boxes);
+
+    asked = 0;
+    const ViewpointOptions options{.distance = 2.5};
+    const ViewpointSet fresh = generate_viewpoints(std::span(elements), states, camera, options,
+                                                   is_free, is_reachable, promises);
+    if (round > 0) anew += asked;
+    asked = 0;
+    ViewpointGenerator generate(states, camera, options);
+    const ViewpointSet kept =
+        viewpoints(generate, elements, ledger, is_free, is_reachable, promises);
+    if (round > 0) remembered += asked;
+    CHECK(fresh.size() > 20 && !fresh.unseen.empty());
+    CHECK(kept.size() == fresh.size() && kept.unseen.size() == fresh.unseen.size());
+    for (std::size_t i = 0; i < std::min(kept.size(), fresh.size()); ++i) {
+      CHECK(kept[i].configuration.position == fresh[i].configuration.position);
+      CHECK(kept[i].configuration.yaw == fresh[i].configuration.yaw);
+      CHECK(kept[i].targets == fresh[i].targets);
+    }
+    for (std::size_t i = 0; i < std::min(kept.unseen.size(), fresh.unseen.size()); ++i)
+      CHECK(kept.unseen[i].element == fresh.unseen[i].element &&
+            kept.unseen[i].reason == fresh.unseen[i].reason);
+    const IncompleteSurfaceGain gain(elements, states, frustum);
+    CHECK(sights(kept.views, elements, frustum, [&](const Configuration& q) {
+            return gain.seen(q);
+          }) == seen_from_all(gain, kept.views));
+
+    // A little of the map changes, a look is in vain, and much more or less can be reached.
+    const VoxelIndex middle(static_cast<int>(random.below(70)) - 35,
+                            static_cast<int>(random.below(70)) - 35, 4);
+    for (int k = 0; k < 60; ++k) {
+      const VoxelIndex v = middle + VoxelIndex(static_cast<int>(random.below(7)) - 3,
+                                               static_cast<int>(random.below(7)) - 3,
+                                               static_cast<int>(random.below(7)) - 3);
+      map_test::set_state(map, v,
+                          random.uniform(0.0, 1.0) < 0.6 ? VoxelState::empty
+                          : random.below(2) == 0         ? VoxelState::occupied
+                                                         : VoxelState::unknown);
+    }
+    const Viewpoint& look = kept[random.below(kept.size())];
+    ledger.looked_in_vain(elements[static_cast<std::size_t>(look.targets[0])].voxel,
+                          look.direction);
+    wall = random.uniform(6.0, 12.0);
+    states.update(map);
+    free.update();
+    incomplete.update(states);
+  }
+  CHECK(remembered * 2 < anew);  // what cannot be reached is always asked about
 }
 
 TEST(unseen_space_is_the_border_of_what_is_known_empty) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 namespace surfleet {
+class ChangedRegions;
 struct CoverageTour;
 struct CoverageTourOptions;
 class HeadingTable;
@@ -22,11 +23,13 @@ class RatePlanner;
 struct RatePlannerOptions;
 struct RobotRequest;
 struct Sighting;
+class SightMemory;
 struct SightTarget;
 struct SpaceLooksOptions;
 struct Stop;
 struct TimedConfiguration;
 struct TourPlannerOptions;
 class UnseenSpace;
+class ViewpointMemory;
 class WorthAround;
 }  // namespace surfleet

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <set>
@@ -46,11 +47,12 @@ class LookLedger {
     for (const VoxelKey& place : places) ++entries_[place].failures;
   }
 
-  /// Whether no look was in vain yet.
-  bool fresh(const VoxelIndex& v) const {
+  /// How many sides were looked at in vain.
+  std::size_t looks(const VoxelIndex& v) const {
     const auto it = entries_.find(key(v));
-    return it == entries_.end() || it->second.looks.empty();
+    return it == entries_.end() ? 0 : it->second.looks.size();
   }
+  bool fresh(const VoxelIndex& v) const { return looks(v) == 0; }  ///< No look was in vain yet.
   /// Whether a look along this direction shows a side that was not looked at in vain.
   bool promises(const VoxelIndex& v, const Eigen::Vector3d& direction) const {
     const auto it = entries_.find(key(v));

@@ -27,7 +27,7 @@ struct RatePlannerOptions {
   double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
   double prediction_worth = 0.6;  ///< Worth of predicted surface beside surface at hand.
   /// Worth of the border to unseen space beside surface at hand, for what it may hide; 0: none.
-  double space_worth = 0.25;
+  double space_worth = 0.5;
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
   int stops = 2;              ///< Stops planned ahead for each robot.
   /// What one look is thought to see at the most of the worth around a place: where that much would
@@ -184,7 +184,8 @@ class RatePlanner {
     view.in_sight = true;
   }
 
-  /// What is still in view from where a robot stands was not brought by its look.
+  /// What is still in view from where a robot stands its look did not bring: so much worth there,
+  /// and those cells of unseen space.
   void note_what_is_left(const Search& s, const Configuration& at) {
     const VoxelIndex cell = s.lattice.nearest(at.position);
     const Point3 place = s.lattice.position(cell);
@@ -194,9 +195,15 @@ class RatePlanner {
       return;
     View& view = view_from(s.targets, s.lattice.index(cell), place);
     look(s.targets, place, view);
-    const std::vector<char> none(s.targets.size(), 0);
-    left_[{s.lattice.index(cell), heading}] =
-        worth_by_heading(s.targets, view.seen, none)[static_cast<std::size_t>(heading)];
+    std::vector<char> done(s.targets.size(), 0);
+    const double worth =
+        worth_by_heading(s.targets, view.seen, done)[static_cast<std::size_t>(heading)];
+    const bool fresh =
+        left_.insert_or_assign(std::pair(s.lattice.index(cell), heading), worth).second;
+    if (!fresh) return;  // A robot that stands there still has not looked anew.
+    mark_in_view(view.seen, heading, done, [&](std::size_t id) {
+      if (id >= first_space_) space_.note_look(id - first_space_);
+    });
   }
   bool is_vain(std::size_t site, std::size_t heading, double worth) const {
     const auto it = left_.find({site, static_cast<int>(heading)});
@@ -253,11 +260,10 @@ class RatePlanner {
     return best;
   }
 
-  /// Marks what the stop sees, names the incomplete elements among it and notes a look at the rest.
+  /// Marks what the stop sees and names the incomplete elements among it.
   Stop make_stop(const PlanRequest& request, const Candidate& c, std::vector<char>& done) {
     Stop stop{c.configuration, {}};
     mark_in_view(sites_.at(c.site).seen, c.heading, done, [&](std::size_t id) {
-      if (id >= first_space_) space_.note_look(id - first_space_);
       if (id >= members_.size()) return;
       for (const std::int32_t i : members_[id])
         stop.targets.push_back(request.work[static_cast<std::size_t>(i)].voxel);

@@ -15,6 +15,7 @@
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/improve_allocation.hpp>
 #include <surfleet/fleet/plan.hpp>
+#include <surfleet/fleet/view_memory.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
@@ -38,6 +39,7 @@ struct ViewSelection {
   std::span<const IncompleteElement> elements;  ///< Their targets.
   const ViewFrustum& frustum;
   const PlanRequest& request;
+  SightMemory& revealed;  ///< Of what such a selector finds the views to reveal.
 };
 /// Fewer viewpoints with the same targets. Models: `MergeNearby`, `CoverGreedily`.
 template <typename S>
@@ -60,20 +62,27 @@ struct CoverGreedily {
   double max_incidence = 1.16;  ///< Greatest angle between n̄_v and the line of sight [rad].
   std::vector<Viewpoint> operator()(const ViewSelection& s) const {
     const IncompleteSurfaceGain gain(s.elements, s.request.observed, s.frustum);
-    std::vector<std::vector<std::int32_t>> seen = seen_from_all(gain, s.views);
     const double least = std::cos(max_incidence);
     LineOfSight line(s.request.observed);
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      const ViewFrustum::Placed placed = s.frustum.at(s.views[i].configuration);
-      const Point3 eye = placed.eye();
-      std::erase_if(seen[i], [&](std::int32_t id) {
-        const IncompleteElement& e = s.elements[static_cast<std::size_t>(id)];
-        const Eigen::Vector3d to_eye = (eye - e.position).normalized();
-        return !e.faces(to_eye, least) || !s.request.ledger.promises(e.voxel, to_eye) ||
-               !shows_unknown(placed, e, line);
+    const auto element = [&](std::int32_t id) -> const IncompleteElement& {
+      return s.elements[static_cast<std::size_t>(id)];
+    };
+    const auto to_eye = [&](const Configuration& q, std::int32_t id) {
+      return (s.frustum.at(q).eye() - element(id).position).normalized().eval();
+    };
+    auto revealed = s.revealed(s.views.views, s.elements, s.frustum, [&](const Configuration& q) {
+      std::vector<std::int32_t> ids = gain.seen(q);
+      std::erase_if(ids, [&](std::int32_t id) {
+        return !element(id).faces(to_eye(q, id), least) ||
+               !shows_unknown(s.frustum.at(q), element(id), line);
       });
-    }
-    return cover_viewpoints(s.views, std::move(seen));
+      return ids;
+    });
+    for (std::size_t i = 0; i < revealed.size(); ++i)
+      std::erase_if(revealed[i], [&](std::int32_t id) {
+        return !s.request.ledger.promises(element(id).voxel, to_eye(s.views[i].configuration, id));
+      });
+    return cover_viewpoints(s.views, std::move(revealed));
   }
 };
 static_assert(ViewSelector<MergeNearby> && ViewSelector<CoverGreedily>);
@@ -138,20 +147,28 @@ class TourPlanner {
     const auto promises = [&](const IncompleteElement& e, const Eigen::Vector3d& direction) {
       return request.ledger.promises(e.voxel, direction);
     };
+    const std::vector<Box3> changed = changed_(request.known, request.observed, request.free_space);
+    viewpoints_.forget(changed);
+    seen_.forget(changed);
+    revealed_.forget(changed);
+    if (options.asynchronous && options.exclusive) seen_ = revealed_ = {};  // others' work returns
+    ViewpointGenerator generate(
+        request.observed, request.camera,
+        {.distance = options.distance, .T_body_camera = request.T_body_camera});
     const ViewpointSet set =
-        generate_viewpoints(elements, request.observed, request.camera,
-                            {.distance = options.distance, .T_body_camera = request.T_body_camera},
-                            is_free, is_reachable, promises);
+        viewpoints_(generate, elements, request.ledger, is_free, is_reachable, promises);
     for (const UnseenElement& u : set.unseen)
       result.impossible.emplace_back(elements[static_cast<std::size_t>(u.element)].voxel,
                                      left_reason(u.reason));
-    const std::vector<Viewpoint> views = select(ViewSelection{set, elements, frustum, request});
+    const std::vector<Viewpoint> views =
+        select(ViewSelection{set, elements, frustum, request, revealed_});
     if (views.empty()) return result;
 
     // Clusters and what they are worth.
     std::vector<ViewpointCluster> clusters = cluster_viewpoints(views, options.clusters);
     const IncompleteSurfaceGain gain(elements, request.observed, frustum);
-    const auto seen = seen_from_all(gain, views);
+    const auto seen =
+        seen_(views, elements, frustum, [&](const Configuration& q) { return gain.seen(q); });
     assign_gains(gain, seen, clusters);
     std::vector<ConfigurationCluster<Configuration>> nodes;
     std::vector<std::int32_t> view_of;  // by the graph's numbering of configurations
@@ -229,6 +246,11 @@ class TourPlanner {
                   [&](const IncompleteElement& e) { return taken.contains(key_of(e.voxel)); });
     return elements;
   }
+
+  // The map is asked only about what has changed since the last call.
+  ChangedRegions changed_;
+  ViewpointMemory viewpoints_;
+  SightMemory seen_, revealed_;
 };
 
 /// TSGA [000 Alg. 2] and NNB [000 Alg. 4], and what goes beyond them: an improvement step after the

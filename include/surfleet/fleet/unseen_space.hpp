@@ -22,7 +22,7 @@ namespace surfleet {
 /// empty space only, can be found by. Incomplete elements do not lead there, as they need surface.
 ///
 /// A cell is unseen as long as its middle voxel is unknown, and on the border if the middle of a
-/// face neighbour is empty. After `max_looks` looks planned at it a cell is given up: unknown space
+/// face neighbour is empty. After `max_looks` looks at it in vain a cell is given up: unknown space
 /// in nooks stays what it is.
 class UnseenSpace {
  public:
@@ -72,7 +72,7 @@ class UnseenSpace {
   /// [m]
   Point3 center(std::size_t i) const { return center(cells_[i]); }
   double edge() const { return edge_; }  ///< Of a cell [m].
-  /// A look at cell `i` was planned; whether it is ever taken is not asked.
+  /// Somebody has looked at cell `i` and it is on the border still.
   void note_look(std::size_t i) { ++looks_[cells_[i]]; }
 
  private:

@@ -20,7 +20,9 @@ struct UnknownVolumeOptions;
 struct UnseenElement;
 class ViewFrustum;
 struct Viewpoint;
+struct ViewpointChoice;
 struct ViewpointCluster;
+class ViewpointGenerator;
 struct ViewpointOptions;
 struct ViewpointSet;
 }  // namespace surfleet

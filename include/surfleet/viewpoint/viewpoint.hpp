@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <surfleet/core/types.hpp>
@@ -42,6 +43,15 @@ inline const char* to_string(NoViewReason r) {
   return "unknown";
 }
 
+/// What generation finds for one element.
+struct ViewpointChoice {
+  std::optional<Viewpoint> view;                 ///< Without targets.
+  NoViewReason reason = NoViewReason::occluded;  ///< If there is no view.
+  bool out_of_reach = false;  ///< A view was passed over because it could not be reached.
+  /// Encloses, give or take a voxel's diagonal, where the map and the free space were asked about.
+  Box3 asked;
+};
+
 /// An element that was given up, by its index in the list of elements.
 struct UnseenElement {
   std::int32_t element = 0;
@@ -53,6 +63,13 @@ struct UnseenElement {
 struct ViewpointSet {
   std::vector<Viewpoint> views;
   std::vector<UnseenElement> unseen;
+
+  void add(std::int32_t element, const ViewpointChoice& choice) {
+    if (choice.view)
+      views.push_back({choice.view->configuration, choice.view->direction, {element}});
+    else
+      unseen.push_back({element, choice.reason});
+  }
 
   std::size_t size() const { return views.size(); }
   bool empty() const { return views.empty(); }

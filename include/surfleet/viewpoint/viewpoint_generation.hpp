@@ -180,7 +180,7 @@ inline std::vector<double> view_distances(const PinholeCamera& camera, const Vie
 }
 }  // namespace detail
 
-/// One viewpoint for each element from which it is really seen, or the reason why there is none
+/// A viewpoint for an element from which it is really seen, or the reason why there is none
 /// [000 §2.4.2].
 ///
 /// The camera is put at `distance` along n̄_v, or along the nearest direction that the mount lets a
@@ -188,54 +188,39 @@ inline std::vector<double> view_distances(const PinholeCamera& camera, const Vie
 /// not in sight from there, or the robot cannot be there, others are tried: first distances within
 /// about a step of the wanted one, over directions by growing angle to n̄_v up to `max_angle`; then
 /// all other distances likewise. An element without direction takes directions as they come. Every
-/// viewpoint returned reveals its element: it is in the frustum and in sight, and so is one of its
-/// unknown neighbours. `is_free` and `is_reachable` hold for it, `promises` holds for its line of
-/// sight, and `targets` is its element. O(elements × tries), one try where nothing is in the way.
-/// Throws `Error` on a distance or a step that is not positive.
-template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue,
-          LookPredicate Promises = AlwaysTrue>
-ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
-                                 const VoxelStateMap& map, const PinholeCamera& camera,
-                                 const ViewpointOptions& options, const IsFree& is_free,
-                                 const IsReachable& is_reachable = {},
-                                 const Promises& promises = {}) {
-  require(options.distance > 0.0 && std::isfinite(options.distance),
-          "viewpoint distance: expected a positive length");
-  require(options.distance_step > 0.01 && options.angle_step > 0.01 && options.max_tries > 0,
-          "viewpoint steps: expected more than 1 cm, more than 0.01 rad and at least one try");
-  const ViewFrustum frustum(camera, options.T_body_camera);
-  const detail::ViewLines lines(frustum, options);
-  const std::vector<double> distances = detail::view_distances(camera, options);
-  const auto first = std::span(distances).first(std::min<std::size_t>(3, distances.size()));
-  const auto rest = std::span(distances).subspan(first.size());
-  const double min_distance = std::max(options.min_distance, camera.min_range);
-  const double min_cosine = std::cos(options.max_angle);
-  LineOfSight sight(map, {.unknown_blocks = options.unknown_blocks});
+/// view reveals its element: it is in the frustum and in sight, and so is one of its unknown
+/// neighbours. One object a thread; the map must outlive it and not gain blocks meanwhile.
+class ViewpointGenerator {
+ public:
+  /// Throws `Error` on a distance or a step that is not positive.
+  ViewpointGenerator(const VoxelStateMap& map, const PinholeCamera& camera,
+                     const ViewpointOptions& options)
+      : map_(&map),
+        options_(checked(options)),
+        frustum_(camera, options.T_body_camera),
+        lines_(frustum_, options),
+        distances_(detail::view_distances(camera, options)),
+        min_distance_(std::max(options.min_distance, camera.min_range)),
+        min_cosine_(std::cos(options.max_angle)),
+        sight_(map, {.unknown_blocks = options.unknown_blocks}) {}
 
-  // How far away along a line the element is in sight, and about, one of its unknown neighbours.
-  const auto clear_along = [&](const IncompleteElement& e, const Eigen::Vector3d& direction,
-                               double limit) {
-    const double own = sight.free_length(e.position, direction, limit);
-    if (e.unknown == 0 || options.unknown_blocks) return own;  // then `reveals` alone decides
-    double beside = 0.0;
-    e.any_unknown([&](const VoxelIndex& offset) {
-      const Point3 p = e.position + map.voxel_size() * offset.cast<double>();
-      beside = std::max(beside, sight.free_length(p, direction, limit));
-      return beside >= own;
-    });
-    return std::min(own, beside);
-  };
-
-  ViewpointSet result;
-  std::vector<std::pair<double, std::ptrdiff_t>> order;
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    const IncompleteElement& e = elements[i];
+  /// `is_free` and `is_reachable` hold for the view, `promises` holds for its line of sight.
+  /// O(tries), one where nothing is in the way.
+  template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue,
+            LookPredicate Promises = AlwaysTrue>
+  ViewpointChoice operator()(const IncompleteElement& e, const IsFree& is_free,
+                             const IsReachable& is_reachable = {}, const Promises& promises = {}) {
+    const PinholeCamera& camera = frustum_.camera();
+    const auto first = std::span(distances_).first(std::min<std::size_t>(3, distances_.size()));
+    const auto rest = std::span(distances_).subspan(first.size());
     const bool directed = !e.direction.isZero();
     int tries = 0;
     bool in_band = false, in_sight = false, free = false, refused = false;
+    ViewpointChoice choice;
+    choice.asked.extend(e.position);
 
     const auto attempt = [&](const detail::ViewLine& l, std::span<const double> lengths) {
-      if (directed && e.direction.dot(l.direction) < min_cosine) return false;
+      if (directed && e.direction.dot(l.direction) < min_cosine_) return false;
       if (!promises(e, l.direction)) {
         refused = true;
         return false;
@@ -243,61 +228,119 @@ ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
       in_band = true;
       double clear = -1.0;  // how far one sees from the element; not known yet
       for (const double distance : lengths) {
-        if (tries >= options.max_tries) return false;
+        if (tries >= options_.max_tries) return false;
         const double depth = distance * l.depth_per_metre;
         if (depth < camera.min_range || depth > camera.max_range) continue;
-        const Point3 eye = e.position + distance * l.direction;
-        if (options.known_eye && sight.state(map.grid().index_of(eye)) != VoxelState::empty)
-          continue;
         if (clear < 0.0) {
           const double farthest = *std::max_element(lengths.begin(), lengths.end());
-          clear = map.voxel_size() + clear_along(e, l.direction, farthest);
+          clear = map_->voxel_size() + clear_along(e, l.direction, farthest, choice.asked);
         }
         if (distance > clear) continue;
+        const Point3 eye = e.position + distance * l.direction;
+        choice.asked.extend(eye);
+        if (options_.known_eye && sight_.state(map_->grid().index_of(eye)) != VoxelState::empty)
+          continue;
         const Configuration q{eye - l.eye_offset, l.yaw};
-        if (!reveals(frustum.at(q), e, sight)) continue;
+        if (!reveals(frustum_.at(q), e, sight_)) continue;
         in_sight = true;
         ++tries;
+        choice.asked.extend(q.position);
         if (!is_free(q)) continue;
         free = true;
-        if (!is_reachable(q)) continue;
-        result.views.push_back({q, l.direction, {static_cast<std::int32_t>(i)}});
+        if (!is_reachable(q)) {
+          choice.out_of_reach = true;
+          continue;
+        }
+        choice.view = Viewpoint{q, l.direction, {}};
         return true;
       }
       return false;
     };
 
-    const auto ideal = directed ? lines.nearest(e.direction) : std::nullopt;
-    if (ideal && attempt(*ideal, first)) continue;
-    const auto fan = lines.fan();
-    order.clear();
+    const auto ideal = directed ? lines_.nearest(e.direction) : std::nullopt;
+    if (ideal && attempt(*ideal, first)) return choice;
+    const auto fan = lines_.fan();
+    order_.clear();
     for (std::size_t k = 0; k < fan.size(); ++k) {
       const double cosine = directed ? e.direction.dot(fan[k].direction) : 1.0;
-      if (cosine >= min_cosine) order.emplace_back(cosine, -static_cast<std::ptrdiff_t>(k));
+      if (cosine >= min_cosine_) order_.emplace_back(cosine, -static_cast<std::ptrdiff_t>(k));
     }
     const auto line_of = [&](const auto& c) -> const detail::ViewLine& {
       return fan[static_cast<std::size_t>(-c.second)];
     };
     // The nearest direction first: a heap, as the search mostly ends early; sorted if it does not.
-    std::make_heap(order.begin(), order.end());
-    bool found = false;
-    for (auto heap_end = order.end(); heap_end != order.begin() && !found; --heap_end) {
-      std::pop_heap(order.begin(), heap_end);
-      found = attempt(line_of(*std::prev(heap_end)), first);
+    std::make_heap(order_.begin(), order_.end());
+    for (auto heap_end = order_.end(); heap_end != order_.begin(); --heap_end) {
+      std::pop_heap(order_.begin(), heap_end);
+      if (attempt(line_of(*std::prev(heap_end)), first)) return choice;
     }
-    for (auto it = order.rbegin(); it != order.rend() && !found && tries < options.max_tries; ++it)
-      found = attempt(line_of(*it), rest);
-    if (found) continue;
+    for (auto it = order_.rbegin(); it != order_.rend() && tries < options_.max_tries; ++it)
+      if (attempt(line_of(*it), rest)) return choice;
 
-    const bool open = in_sight || std::any_of(order.begin(), order.end(), [&](const auto& c) {
-                        return clear_along(e, line_of(c).direction, min_distance) >= min_distance;
-                      });
-    result.unseen.push_back({static_cast<std::int32_t>(i), free       ? NoViewReason::unreachable
-                                                           : refused  ? NoViewReason::looked_at
-                                                           : !in_band ? NoViewReason::outside_view
-                                                           : open     ? NoViewReason::no_free_pose
-                                                                      : NoViewReason::occluded});
+    const auto opens = [&](const auto& c) {
+      return clear_along(e, line_of(c).direction, min_distance_, choice.asked) >= min_distance_;
+    };
+    choice.reason = free       ? NoViewReason::unreachable
+                    : refused  ? NoViewReason::looked_at
+                    : !in_band ? NoViewReason::outside_view
+                    : in_sight || std::any_of(order_.begin(), order_.end(), opens)
+                        ? NoViewReason::no_free_pose
+                        : NoViewReason::occluded;
+    return choice;
   }
+
+ private:
+  static const ViewpointOptions& checked(const ViewpointOptions& o) {
+    require(o.distance > 0.0 && std::isfinite(o.distance),
+            "viewpoint distance: expected a positive length");
+    require(o.distance_step > 0.01 && o.angle_step > 0.01 && o.max_tries > 0,
+            "viewpoint steps: expected more than 1 cm, more than 0.01 rad and at least one try");
+    return o;
+  }
+  /// How far away along a line the element is in sight, and about, one of its unknown neighbours.
+  double clear_along(const IncompleteElement& e, const Eigen::Vector3d& direction, double limit,
+                     Box3& asked) {
+    const auto clear_from = [&](const Point3& p) {
+      const double length = sight_.free_length(p, direction, limit);
+      asked.extend(p);
+      asked.extend(p + length * direction);
+      return length;
+    };
+    const double own = clear_from(e.position);
+    if (e.unknown == 0 || options_.unknown_blocks) return own;  // then `reveals` alone decides
+    double beside = 0.0;
+    e.any_unknown([&](const VoxelIndex& offset) {
+      beside =
+          std::max(beside, clear_from(e.position + map_->voxel_size() * offset.cast<double>()));
+      return beside >= own;
+    });
+    return std::min(own, beside);
+  }
+
+  const VoxelStateMap* map_;
+  ViewpointOptions options_;
+  ViewFrustum frustum_;
+  detail::ViewLines lines_;
+  std::vector<double> distances_;
+  double min_distance_, min_cosine_;
+  LineOfSight sight_;
+  std::vector<std::pair<double, std::ptrdiff_t>> order_;  // of lines; kept for its memory
+};
+
+/// What a `ViewpointGenerator` finds for each element; a view's `targets` is its element's index.
+/// O(elements × tries).
+template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue,
+          LookPredicate Promises = AlwaysTrue>
+ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
+                                 const VoxelStateMap& map, const PinholeCamera& camera,
+                                 const ViewpointOptions& options, const IsFree& is_free,
+                                 const IsReachable& is_reachable = {},
+                                 const Promises& promises = {}) {
+  ViewpointGenerator generate(map, camera, options);
+  ViewpointSet result;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    result.add(static_cast<std::int32_t>(i),
+               generate(elements[i], is_free, is_reachable, promises));
   return result;
 }
 
