@@ -20,6 +20,10 @@ inline constexpr float kNoDepth = -1e8F;
 /// Points nearer to the camera's plane than this belong to no view [m].
 inline constexpr float kNearPlane = 1e-3F;
 
+// By value: references would keep loops from becoming vector code.
+inline float smaller(float a, float b) { return b < a ? b : a; }
+inline float larger(float a, float b) { return a < b ? b : a; }
+
 /// The tangent plane of a pixel's surface, as `offset − n · p` for points p of the camera frame.
 struct SurfacePlane {
   float nx = 0.0F, ny = 0.0F, nz = 0.0F, offset = 0.0F;
@@ -327,10 +331,6 @@ class BlockObserver {
   }
 
  private:
-  // By value: references would keep the loops from becoming vector code.
-  static float smaller(float a, float b) { return b < a ? b : a; }
-  static float larger(float a, float b) { return a < b ? b : a; }
-
   /// Interpolates between the four pixels around, where they show one surface, and turns the
   /// distance along the ray into the distance to the surface's tangent plane. Beside a jump of
   /// depth the nearest pixel's own surface is continued, so that edges are not smeared.

@@ -80,14 +80,26 @@ class ScanProjection {
     view.planes.resize(view.pixels() + 1);
     view.fill(options.threads, [&](int v, float* out) {
       SurfacePlane* planes = view.planes.data() + static_cast<std::ptrdiff_t>(v) * n;
-      for (int u = 0; u < n; ++u) {
-        const InversePlane p = fit(samples, u, v, view.max_step_u);
-        out[u] = 1.0F / p.inverse;
-        const float x = p.slope_u * view.fx, y = p.slope_v * view.fy;
-        const float z = p.inverse - p.slope_u * (static_cast<float>(u) - view.cx) -
-                        p.slope_v * (static_cast<float>(v) - view.cy);
-        const float scale = 1.0F / std::sqrt(x * x + y * y + z * z);
-        planes[u] = {x * scale, y * scale, z * scale, scale};
+      InversePlanes fitted;
+      for (int first = 0; first < n; first += kLanes) {
+        const int lanes = std::min(kLanes, n - first);
+        if (v > 0 && v + 1 < n && first > 0 && first + kLanes < n) {
+          fit_lanes(samples, first, v, view.max_step_u, fitted);
+        } else {
+          for (int i = 0; i < lanes; ++i)
+            fitted.set(i, fit(samples, first + i, v, view.max_step_u));
+        }
+        for (int i = 0; i < lanes; ++i) {
+          const int u = first + i;
+          const float inverse = fitted.inverse[at(i)];
+          const float slope_u = fitted.slope_u[at(i)], slope_v = fitted.slope_v[at(i)];
+          out[u] = 1.0F / inverse;
+          const float x = slope_u * view.fx, y = slope_v * view.fy;
+          const float z = inverse - slope_u * (static_cast<float>(u) - view.cx) -
+                          slope_v * (static_cast<float>(v) - view.cy);
+          const float scale = 1.0F / std::sqrt(x * x + y * y + z * z);
+          planes[u] = {x * scale, y * scale, z * scale, scale};
+        }
       }
     });
     return true;
@@ -96,6 +108,12 @@ class ScanProjection {
  private:
   static constexpr int kMargin = 2;
   static constexpr double kPointsPerPixel = 1.5;
+  static constexpr int kRounds = 3;             ///< Of fitting a plane.
+  static constexpr float kLeastSpread = 0.05F;  ///< Of the points, or they are on one line.
+  static constexpr float kGoodFit =
+      1e-3F;                               ///< Error beside the inverse depth that ends the rounds.
+  static constexpr float kTiny = 1e-20F;   ///< Least divisor.
+  static constexpr float kOutlier = 4.0F;  ///< How much a bad fit costs in weight.
   /// A point on its face: x and y at unit depth, in [−1, 1], and 1 / depth.
   struct Located {
     std::int32_t face;
@@ -110,6 +128,18 @@ class ScanProjection {
   struct InversePlane {
     float inverse, slope_u, slope_v;
   };
+  /// The same of neighbouring pixels of a row.
+  static constexpr int kLanes = 16;
+  using Lanes = std::array<float, kLanes>;
+  struct InversePlanes {
+    Lanes inverse, slope_u, slope_v;
+    void set(int i, const InversePlane& p) {
+      inverse[at(i)] = p.inverse;
+      slope_u[at(i)] = p.slope_u;
+      slope_v[at(i)] = p.slope_v;
+    }
+  };
+  static constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
   /// Columns: the face's x, y, z axes in the sensor frame.
   static Eigen::Matrix3d axes(int face) {
@@ -178,21 +208,20 @@ class ScanProjection {
   InversePlane fit(const std::vector<Sample>& samples, int u, int v, float step) const {
     constexpr InversePlane kNothing{1.0F / kNoDepth, 0.0F, 0.0F};
     const int n = side_ + 2 * kMargin;
-    const auto at = [&](int x, int y) -> const Sample& {
-      return samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(n) +
-                     static_cast<std::size_t>(x)];
+    const auto sample = [&](int x, int y) -> const Sample& {
+      return samples[at(y) * at(n) + at(x)];
     };
     // The pixel's own point, or the nearest to the sensor among its neighbours'.
-    Sample own = at(u, v);
+    Sample own = sample(u, v);
     int radius = 1;
     if (own.inverse == 0.0F) {
       for (radius = 1; radius <= 2; ++radius) {
         int found = 0;
         for (int y = std::max(0, v - radius); y <= std::min(n - 1, v + radius); ++y)
           for (int x = std::max(0, u - radius); x <= std::min(n - 1, u + radius); ++x)
-            if (at(x, y).inverse > 0.0F) {
+            if (sample(x, y).inverse > 0.0F) {
               ++found;
-              own.inverse = std::max(own.inverse, at(x, y).inverse);
+              own.inverse = std::max(own.inverse, sample(x, y).inverse);
             }
         if (found >= 3) break;
         own.inverse = 0.0F;
@@ -204,7 +233,7 @@ class ScanProjection {
     const float limit = step * static_cast<float>(radius + 1) * own.inverse;
     for (int y = std::max(0, v - radius); y <= std::min(n - 1, v + radius); ++y)
       for (int x = std::max(0, u - radius); x <= std::min(n - 1, u + radius); ++x) {
-        const Sample& s = at(x, y);
+        const Sample& s = sample(x, y);
         const float rise = s.inverse - own.inverse;
         if (s.inverse == 0.0F || std::abs(rise) > limit) continue;
         dx[count] = static_cast<float>(x - u) + s.du - own.du;
@@ -216,7 +245,7 @@ class ScanProjection {
     InversePlane plane{own.inverse, 0.0F, 0.0F};
     // Most points around a pixel lie on its own surface: giving less weight to those that fit badly
     // finds it beside a crease.
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < kRounds; ++round) {
       float sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sz = 0, sxz = 0, syz = 0;
       for (std::size_t i = 0; i < count; ++i) {
         const float w = weight[i], wx = w * dx[i], wy = w * dy[i];
@@ -227,7 +256,7 @@ class ScanProjection {
       const float cxx = sxx - sx * sx / sw, cxy = sxy - sx * sy / sw, cyy = syy - sy * sy / sw;
       const float cxz = sxz - sx * sz / sw, cyz = syz - sy * sz / sw;
       const float det = cxx * cyy - cxy * cxy;
-      if (!(det > 0.05F * (cxx + cyy) * (cxx + cyy))) break;  // on one line, or alone
+      if (!(det > kLeastSpread * (cxx + cyy) * (cxx + cyy))) break;  // on one line, or alone
       plane.slope_u = (cxz * cyy - cyz * cxy) / det;
       plane.slope_v = (cyz * cxx - cxz * cxy) / det;
       const float rise = (sz - plane.slope_u * sx - plane.slope_v * sy) / sw;
@@ -237,8 +266,8 @@ class ScanProjection {
         const float r = dz[i] - rise - plane.slope_u * dx[i] - plane.slope_v * dy[i];
         error = std::max(error, std::abs(r));
       }
-      if (error < 1e-3F * own.inverse) break;
-      const float scale = 4.0F / error;
+      if (error < kGoodFit * own.inverse) break;
+      const float scale = kOutlier / error;
       for (std::size_t i = 0; i < count; ++i) {
         const float r = dz[i] - rise - plane.slope_u * dx[i] - plane.slope_v * dy[i];
         weight[i] /= 1.0F + r * r * scale * scale;
@@ -248,6 +277,108 @@ class ScanProjection {
     if (!(std::abs(plane.inverse - own.inverse) < steepest) || !(plane.inverse > 0.0F))
       return {own.inverse, 0.0F, 0.0F};
     return plane;
+  }
+
+  /// `fit` for the pixels (u … u + kLanes − 1, v), none of them at the image's border: the same
+  /// sums over fixed neighbours, in which those that do not count have no weight. Conditions are
+  /// factors of 0 or 1, so that the loops become vector code.
+  void fit_lanes(const std::vector<Sample>& samples, int u, int v, float step,
+                 InversePlanes& out) const {
+    constexpr std::size_t kNeighbors = 9, kOwn = 4;
+    const auto one_if = [](int condition) { return static_cast<float>(condition); };
+    const std::size_t n = at(side_ + 2 * kMargin);
+    std::array<Lanes, kNeighbors> dx, dy, dz, weight;
+    for (std::size_t k = 0; k < kNeighbors; ++k) {
+      const Sample* row = samples.data() + (at(v) + k / 3 - 1) * n + at(u) + k % 3 - 1;
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        dx[k][i] = row[i].du;
+        dy[k][i] = row[i].dv;
+        dz[k][i] = row[i].inverse;
+      }
+    }
+    Lanes own, own_u, own_v, missing, found{}, nearest{};
+    for (std::size_t k = 0; k < kNeighbors; ++k)
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        found[i] += one_if(dz[k][i] > 0.0F);
+        nearest[i] = larger(nearest[i], dz[k][i]);
+      }
+    float unclear = 0.0F;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      missing[i] = one_if(dz[kOwn][i] == 0.0F);
+      own[i] = dz[kOwn][i] + missing[i] * nearest[i];
+      own_u[i] = dx[kOwn][i];
+      own_v[i] = dy[kOwn][i];
+      unclear += missing[i] * one_if(found[i] < 3.0F);
+    }
+    for (std::size_t k = 0; k < kNeighbors; ++k) {
+      const float across = static_cast<float>(k % 3) - 1.0F;
+      const float down = static_cast<float>(k / 3) - 1.0F;
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        const float inverse = dz[k][i], rise = inverse - own[i];
+        const float x = across + dx[k][i] - own_u[i], y = down + dy[k][i] - own_v[i];
+        const int counts = int(inverse > 0.0F) & int(std::abs(rise) <= 2.0F * step * own[i]);
+        dx[k][i] = x;
+        dy[k][i] = y;
+        dz[k][i] = rise;
+        weight[k][i] = one_if(counts) / (0.25F + x * x + y * y);
+      }
+    }
+    Lanes rise{}, slope_u{}, slope_v{}, active;
+    active.fill(1.0F);
+    for (int round = 0; round < kRounds; ++round) {
+      Lanes sw{}, sx{}, sy{}, sxx{}, sxy{}, syy{}, sz{}, sxz{}, syz{}, error{};
+      for (std::size_t k = 0; k < kNeighbors; ++k)
+        for (std::size_t i = 0; i < kLanes; ++i) {
+          const float w = weight[k][i], wx = w * dx[k][i], wy = w * dy[k][i];
+          sw[i] += w, sx[i] += wx, sy[i] += wy, sz[i] += w * dz[k][i];
+          sxx[i] += wx * dx[k][i], sxy[i] += wx * dy[k][i], syy[i] += wy * dy[k][i];
+          sxz[i] += wx * dz[k][i], syz[i] += wy * dz[k][i];
+        }
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        const float per = 1.0F / (sw[i] + kTiny);
+        const float cxx = sxx[i] - sx[i] * sx[i] * per, cxy = sxy[i] - sx[i] * sy[i] * per;
+        const float cyy = syy[i] - sy[i] * sy[i] * per, cxz = sxz[i] - sx[i] * sz[i] * per;
+        const float cyz = syz[i] - sy[i] * sz[i] * per;
+        const float det = cxx * cyy - cxy * cxy, least = kLeastSpread * (cxx + cyy) * (cxx + cyy);
+        active[i] *= one_if(det > least);
+        const float per_det = 1.0F / (std::abs(det) + kTiny);
+        const float to_u = (cxz * cyy - cyz * cxy) * per_det;
+        const float to_v = (cyz * cxx - cxz * cxy) * per_det;
+        const float to = (sz[i] - to_u * sx[i] - to_v * sy[i]) * per;
+        slope_u[i] += active[i] * (to_u - slope_u[i]);
+        slope_v[i] += active[i] * (to_v - slope_v[i]);
+        rise[i] += active[i] * (to - rise[i]);
+      }
+      for (std::size_t k = 0; k < kNeighbors; ++k)
+        for (std::size_t i = 0; i < kLanes; ++i) {
+          const float r = dz[k][i] - rise[i] - slope_u[i] * dx[k][i] - slope_v[i] * dy[k][i];
+          error[i] = larger(error[i], std::abs(r) * one_if(weight[k][i] > 0.0F));
+        }
+      float any = 0.0F;
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        active[i] *= one_if(error[i] >= kGoodFit * own[i]);
+        any += active[i];
+      }
+      if (any == 0.0F) break;
+      for (std::size_t k = 0; k < kNeighbors; ++k)
+        for (std::size_t i = 0; i < kLanes; ++i) {
+          const float r = dz[k][i] - rise[i] - slope_u[i] * dx[k][i] - slope_v[i] * dy[k][i];
+          const float off = r * kOutlier / larger(error[i], kTiny);
+          weight[k][i] /= 1.0F + off * off;
+        }
+    }
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const float change = rise[i] - slope_u[i] * own_u[i] - slope_v[i] * own_v[i];
+      const float sane =
+          one_if(int(std::abs(change) < 2.0F * step * own[i]) & int(own[i] + change > 0.0F));
+      out.inverse[i] = own[i] + sane * change;
+      out.slope_u[i] = sane * slope_u[i];
+      out.slope_v[i] = sane * slope_v[i];
+    }
+    if (unclear > 0.0F)
+      for (int i = 0; i < kLanes; ++i)
+        if (missing[at(i)] * one_if(found[at(i)] < 3.0F) > 0.0F)
+          out.set(i, fit(samples, u + i, v, step));
   }
 
   Pose T_world_sensor_ = Pose::Identity();
