@@ -9,5 +9,6 @@
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/core/random.hpp>
+#include <surfleet/core/rotation.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/core/version.hpp>

@@ -74,6 +74,11 @@ TEST(projected_gradients_satisfy_the_criterion) {
   CHECK_NEAR(project_gradient({1, 1}, {right, up}).norm(), 0.0, 1e-12);
   CHECK_NEAR((project_gradient({1, -1}, {right, up}) - Point2(0, -1)).norm(), 0.0, 1e-12);
   CHECK_NEAR((project_gradient({1, 1}, {right, right}) - Point2(0, 1)).norm(), 0.0, 1e-12);
+  CHECK_NEAR(project_gradient({1, 0.3}, {right, up, Point2(1, 1).normalized()}).norm(), 0.0, 1e-12);
+  CHECK_NEAR((project_gradient({1, 1}, {right, -right}) - Point2(0, 1)).norm(), 0.0, 1e-12);
+  // Nearly parallel, and against each other: the two leave no way but back out of the wedge.
+  const Point2 tilted = Point2(-1, 1e-4).normalized();
+  CHECK_NEAR(project_gradient({0, 1}, {right, tilted}).dot(tilted), 0.0, 1e-9);
 }
 
 TEST(gradient_projection_stays_inside_and_lowers_the_cost) {

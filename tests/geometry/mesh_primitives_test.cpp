@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/geometry/mesh_primitives.hpp>
 
+#include <surfleet/core/random.hpp>
+#include <surfleet/core/rotation.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>
 
 #include "check.hpp"
@@ -62,6 +64,22 @@ TEST(box_solid_has_rooms_and_no_inner_walls) {
   room.cut({0, 1.5, 1}, {1, 2.5, 2});
   check_solid(room.mesh(), 55.0, 96.0 + 24.0 - 2.0 + 4.0, 1e-12);
   CHECK(BoxSolid().mesh().empty());
+}
+
+TEST(the_shortest_rotation_turns_about_what_is_normal_to_both) {
+  Random random(3);
+  for (int i = 0; i < 300; ++i) {
+    const Point3 a = Point3::NullaryExpr([&] { return random.uniform(-1, 1); });
+    Point3 b = Point3::NullaryExpr([&] { return random.uniform(-1, 1); });
+    if (i % 3 == 1) b = -random.uniform(0.5, 2.0) * a;
+    if (i % 3 == 2) b = random.uniform(0.5, 2.0) * a + 1e-9 * b;
+    const Eigen::Quaterniond q = rotation_between(a, b);
+    CHECK_NEAR(q.norm(), 1.0, 1e-12);
+    CHECK_NEAR((q * a.normalized() - b.normalized()).norm(), 0.0, 1e-7);
+    CHECK_NEAR(q.vec().dot(a), 0.0, 1e-12);
+    CHECK_NEAR(2.0 * std::acos(std::min(1.0, std::abs(q.w()))),
+               std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)), 1e-7);
+  }
 }
 
 TEST(bad_settings_are_refused) {

@@ -9,8 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Dense>
-
 #include <surfleet/coverage/lloyd.hpp>
 #include <surfleet/geometry/polygon_visibility.hpp>
 
@@ -21,20 +19,27 @@ namespace surfleet {
 /// multiplier are relaxed, most negative first, until none is left; zero means that the point
 /// satisfies the Karush–Kuhn–Tucker criterion.
 inline Point2 project_gradient(const Point2& descent, std::vector<Point2> normals) {
+  constexpr double kParallel = 1e-14;  // det over trace²: the squared sine between two walls
   for (;;) {
     if (normals.empty()) return descent;
-    Eigen::MatrixXd A(static_cast<Eigen::Index>(normals.size()), 2);
-    for (std::size_t k = 0; k < normals.size(); ++k)
-      A.row(static_cast<Eigen::Index>(k)) = normals[k].transpose();
-    // λ = −(A Aᵀ)⁻¹ A ∇H, with ∇H = −descent; parallel walls make A Aᵀ singular.
-    const Eigen::VectorXd multiplier =
-        (A * A.transpose()).completeOrthogonalDecomposition().solve(A * descent);
-    Eigen::Index worst = 0;
-    if (multiplier.minCoeff(&worst) >= 0.0) {
-      const Point2 z = descent - A.transpose() * multiplier;
+    // λ = −(A Aᵀ)⁺ A ∇H = A (Aᵀ A)⁺ descent, with the normals as the rows of A and ∇H = −descent.
+    // Aᵀ A is of full rank, or, where all walls are parallel, of rank one: n nᵀ times its trace.
+    Eigen::Matrix2d square = Eigen::Matrix2d::Zero();
+    for (const Point2& n : normals) square += n * n.transpose();
+    const double trace = square.trace(), det = square.determinant();
+    const Point2 solved = det > kParallel * trace * trace
+                              ? Point2(square(1, 1) * descent.x() - square(0, 1) * descent.y(),
+                                       square(0, 0) * descent.y() - square(1, 0) * descent.x()) /
+                                    det
+                              : Point2(square * descent / (trace * trace));
+    const auto worst = std::min_element(
+        normals.begin(), normals.end(),
+        [&](const Point2& a, const Point2& b) { return a.dot(solved) < b.dot(solved); });
+    if (worst->dot(solved) >= 0.0) {
+      const Point2 z = descent - square * solved;
       return z.norm() <= 1e-12 * descent.norm() ? Point2(Point2::Zero()) : z;
     }
-    normals.erase(normals.begin() + worst);
+    normals.erase(worst);
   }
 }
 

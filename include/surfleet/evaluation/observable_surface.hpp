@@ -28,6 +28,7 @@
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
+#include <surfleet/core/rotation.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
@@ -310,8 +311,7 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
         for (const double side : {1.0, -1.0}) {
           if (side < 0.0 && !options.two_sided) break;
           const Eigen::Matrix3d frame =
-              Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), side * normal)
-                  .toRotationMatrix();
+              rotation_between(Eigen::Vector3d::UnitZ(), side * normal).toRotationMatrix();
           for (const Eigen::Vector3d& d : fan)
             for (const double range : ranges) {
               const Eigen::Vector3i node = lattice.nearest_node(p + range * (frame * d));

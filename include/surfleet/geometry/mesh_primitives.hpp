@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/core/rotation.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
 
@@ -133,7 +134,7 @@ inline TriangleMesh make_tube(std::span<const Point3> path, std::span<const doub
     const Eigen::Vector3d in = tangent(i == 0 ? 0 : i - 1);
     const Eigen::Vector3d out = tangent(std::min(i, path.size() - 2));
     // Carry u along without twist, then lay the ring into the plane that halves the corner.
-    u = Eigen::Quaterniond::FromTwoVectors(w, in) * u;
+    u = rotation_between(w, in) * u;
     w = in;
     const Eigen::Vector3d v = w.cross(u);
     const Eigen::Vector3d normal = (in + out).normalized();
