@@ -19,7 +19,8 @@ namespace surfleet {
 /// multiplier are relaxed, most negative first, until none is left; zero means that the point
 /// satisfies the Karush–Kuhn–Tucker criterion.
 inline Point2 project_gradient(const Point2& descent, std::vector<Point2> normals) {
-  constexpr double kParallel = 1e-14;  // det over trace²: the squared sine between two walls
+  constexpr double kParallel =
+      1e-14;  // det over trace²: a quarter of the squared sine between two walls
   for (;;) {
     if (normals.empty()) return descent;
     // λ = −(A Aᵀ)⁺ A ∇H = A (Aᵀ A)⁺ descent, with the normals as the rows of A and ∇H = −descent.
@@ -28,9 +29,7 @@ inline Point2 project_gradient(const Point2& descent, std::vector<Point2> normal
     for (const Point2& n : normals) square += n * n.transpose();
     const double trace = square.trace(), det = square.determinant();
     const Point2 solved = det > kParallel * trace * trace
-                              ? Point2(square(1, 1) * descent.x() - square(0, 1) * descent.y(),
-                                       square(0, 0) * descent.y() - square(1, 0) * descent.x()) /
-                                    det
+                              ? Point2(square.inverse() * descent)
                               : Point2(square * descent / (trace * trace));
     const auto worst = std::min_element(
         normals.begin(), normals.end(),

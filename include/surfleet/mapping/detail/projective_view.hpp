@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <surfleet/mapping/detail/depth_pyramid.hpp>
+#include <surfleet/mapping/detail/vector_code.hpp>
 #include <surfleet/mapping/update_policy.hpp>
 
 namespace surfleet::detail {
@@ -19,10 +20,6 @@ namespace surfleet::detail {
 inline constexpr float kNoDepth = -1e8F;
 /// Points nearer to the camera's plane than this belong to no view [m].
 inline constexpr float kNearPlane = 1e-3F;
-
-// By value: references would keep loops from becoming vector code.
-inline float smaller(float a, float b) { return b < a ? b : a; }
-inline float larger(float a, float b) { return a < b ? b : a; }
 
 /// The tangent plane of a pixel's surface, as `offset − n · p` for points p of the camera frame.
 struct SurfacePlane {

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include <surfleet/core/parallel.hpp>
+#include <surfleet/mapping/detail/plane_fit.hpp>
 #include <surfleet/mapping/detail/projective_view.hpp>
+#include <surfleet/mapping/detail/vector_code.hpp>
 
 namespace surfleet::detail {
 /// Sorts the points of a scan into six square images whose resolution follows the points' density,
@@ -80,15 +82,9 @@ class ScanProjection {
     view.planes.resize(view.pixels() + 1);
     view.fill(options.threads, [&](int v, float* out) {
       SurfacePlane* planes = view.planes.data() + static_cast<std::ptrdiff_t>(v) * n;
-      InversePlanes fitted;
       for (int first = 0; first < n; first += kLanes) {
+        const InversePlanes<kLanes> fitted = fit_row(samples, first, v, view.max_step_u);
         const int lanes = std::min(kLanes, n - first);
-        if (v > 0 && v + 1 < n && first > 0 && first + kLanes < n) {
-          fit_lanes(samples, first, v, view.max_step_u, fitted);
-        } else {
-          for (int i = 0; i < lanes; ++i)
-            fitted.set(i, fit(samples, first + i, v, view.max_step_u));
-        }
         for (int i = 0; i < lanes; ++i) {
           const int u = first + i;
           const float inverse = fitted.inverse[at(i)];
@@ -108,12 +104,9 @@ class ScanProjection {
  private:
   static constexpr int kMargin = 2;
   static constexpr double kPointsPerPixel = 1.5;
-  static constexpr int kRounds = 3;             ///< Of fitting a plane.
-  static constexpr float kLeastSpread = 0.05F;  ///< Of the points, or they are on one line.
-  static constexpr float kGoodFit =
-      1e-3F;                               ///< Error beside the inverse depth that ends the rounds.
-  static constexpr float kTiny = 1e-20F;   ///< Least divisor.
-  static constexpr float kOutlier = 4.0F;  ///< How much a bad fit costs in weight.
+  static constexpr float kFewest = 3.0F;  ///< Points that stand in for a pixel without its own.
+  static constexpr InversePlanes<1> kNothing{{1.0F / kNoDepth}, {}, {}};
+  static constexpr int kLanes = 16;  ///< Pixels of a row that planes are fitted to at a time.
   /// A point on its face: x and y at unit depth, in [−1, 1], and 1 / depth.
   struct Located {
     std::int32_t face;
@@ -124,21 +117,6 @@ class ScanProjection {
     float inverse = 0.0F;        ///< 1 / depth; 0 for none.
   };
 
-  /// Inverse depth at a pixel's centre and its change a pixel.
-  struct InversePlane {
-    float inverse, slope_u, slope_v;
-  };
-  /// The same of neighbouring pixels of a row.
-  static constexpr int kLanes = 16;
-  using Lanes = std::array<float, kLanes>;
-  struct InversePlanes {
-    Lanes inverse, slope_u, slope_v;
-    void set(int i, const InversePlane& p) {
-      inverse[at(i)] = p.inverse;
-      slope_u[at(i)] = p.slope_u;
-      slope_v[at(i)] = p.slope_v;
-    }
-  };
   static constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
   /// Columns: the face's x, y, z axes in the sensor frame.
@@ -204,181 +182,88 @@ class ScanProjection {
     });
   }
 
-  /// The surface at pixel (u, v); of depth `kNoDepth` where nothing is known.
-  InversePlane fit(const std::vector<Sample>& samples, int u, int v, float step) const {
-    constexpr InversePlane kNothing{1.0F / kNoDepth, 0.0F, 0.0F};
-    const int n = side_ + 2 * kMargin;
-    const auto sample = [&](int x, int y) -> const Sample& {
-      return samples[at(y) * at(n) + at(x)];
-    };
-    // The pixel's own point, or the nearest to the sensor among its neighbours'.
-    Sample own = sample(u, v);
-    int radius = 1;
-    if (own.inverse == 0.0F) {
-      for (radius = 1; radius <= 2; ++radius) {
-        int found = 0;
-        for (int y = std::max(0, v - radius); y <= std::min(n - 1, v + radius); ++y)
-          for (int x = std::max(0, u - radius); x <= std::min(n - 1, u + radius); ++x)
-            if (sample(x, y).inverse > 0.0F) {
-              ++found;
-              own.inverse = std::max(own.inverse, sample(x, y).inverse);
-            }
-        if (found >= 3) break;
-        own.inverse = 0.0F;
-      }
-      if (own.inverse == 0.0F) return kNothing;
-    }
-    std::array<float, 25> dx, dy, dz, weight;
-    std::size_t count = 0;
-    const float limit = step * static_cast<float>(radius + 1) * own.inverse;
-    for (int y = std::max(0, v - radius); y <= std::min(n - 1, v + radius); ++y)
-      for (int x = std::max(0, u - radius); x <= std::min(n - 1, u + radius); ++x) {
-        const Sample& s = sample(x, y);
-        const float rise = s.inverse - own.inverse;
-        if (s.inverse == 0.0F || std::abs(rise) > limit) continue;
-        dx[count] = static_cast<float>(x - u) + s.du - own.du;
-        dy[count] = static_cast<float>(y - v) + s.dv - own.dv;
-        dz[count] = rise;
-        weight[count] = 1.0F / (0.25F + dx[count] * dx[count] + dy[count] * dy[count]);
-        ++count;
-      }
-    InversePlane plane{own.inverse, 0.0F, 0.0F};
-    // Most points around a pixel lie on its own surface: giving less weight to those that fit badly
-    // finds it beside a crease.
-    for (int round = 0; round < kRounds; ++round) {
-      float sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sz = 0, sxz = 0, syz = 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        const float w = weight[i], wx = w * dx[i], wy = w * dy[i];
-        sw += w, sx += wx, sy += wy, sz += w * dz[i];
-        sxx += wx * dx[i], sxy += wx * dy[i], syy += wy * dy[i];
-        sxz += wx * dz[i], syz += wy * dz[i];
-      }
-      const float cxx = sxx - sx * sx / sw, cxy = sxy - sx * sy / sw, cyy = syy - sy * sy / sw;
-      const float cxz = sxz - sx * sz / sw, cyz = syz - sy * sz / sw;
-      const float det = cxx * cyy - cxy * cxy;
-      if (!(det > kLeastSpread * (cxx + cyy) * (cxx + cyy))) break;  // on one line, or alone
-      plane.slope_u = (cxz * cyy - cyz * cxy) / det;
-      plane.slope_v = (cyz * cxx - cxz * cxy) / det;
-      const float rise = (sz - plane.slope_u * sx - plane.slope_v * sy) / sw;
-      plane.inverse = own.inverse + rise - plane.slope_u * own.du - plane.slope_v * own.dv;
-      float error = 0.0F;
-      for (std::size_t i = 0; i < count; ++i) {
-        const float r = dz[i] - rise - plane.slope_u * dx[i] - plane.slope_v * dy[i];
-        error = std::max(error, std::abs(r));
-      }
-      if (error < kGoodFit * own.inverse) break;
-      const float scale = kOutlier / error;
-      for (std::size_t i = 0; i < count; ++i) {
-        const float r = dz[i] - rise - plane.slope_u * dx[i] - plane.slope_v * dy[i];
-        weight[i] /= 1.0F + r * r * scale * scale;
-      }
-    }
-    const float steepest = 2.0F * step * own.inverse;
-    if (!(std::abs(plane.inverse - own.inverse) < steepest) || !(plane.inverse > 0.0F))
-      return {own.inverse, 0.0F, 0.0F};
-    return plane;
+  const Sample& sample(const std::vector<Sample>& samples, int u, int v) const {
+    return samples[at(v) * at(side_ + 2 * kMargin) + at(u)];
   }
 
-  /// `fit` for the pixels (u … u + kLanes − 1, v), none of them at the image's border: the same
-  /// sums over fixed neighbours, in which those that do not count have no weight. Conditions are
-  /// factors of 0 or 1, so that the loops become vector code.
-  void fit_lanes(const std::vector<Sample>& samples, int u, int v, float step,
-                 InversePlanes& out) const {
-    constexpr std::size_t kNeighbors = 9, kOwn = 4;
-    const auto one_if = [](int condition) { return static_cast<float>(condition); };
-    const std::size_t n = at(side_ + 2 * kMargin);
-    std::array<Lanes, kNeighbors> dx, dy, dz, weight;
-    for (std::size_t k = 0; k < kNeighbors; ++k) {
-      const Sample* row = samples.data() + (at(v) + k / 3 - 1) * n + at(u) + k % 3 - 1;
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        dx[k][i] = row[i].du;
-        dy[k][i] = row[i].dv;
-        dz[k][i] = row[i].inverse;
-      }
+  /// The surfaces at the pixels (u … u + kLanes − 1, v); of depth `kNoDepth` where nothing is known
+  /// and beyond the row's end.
+  InversePlanes<kLanes> fit_row(const std::vector<Sample>& samples, int u, int v,
+                                float step) const {
+    const int n = side_ + 2 * kMargin;
+    const bool inside = u > 0 && v > 0 && u + kLanes < n && v + 1 < n;
+    InversePlanes<kLanes> planes;
+    std::array<char, kLanes> unclear;
+    unclear.fill(1);
+    if (inside) planes = fit_inside(samples, u, v, step, unclear);
+    for (int i = 0; i < kLanes; ++i) {
+      if (unclear[at(i)] == 0) continue;
+      const InversePlanes<1> p = u + i < n ? fit(samples, u + i, v, step) : kNothing;
+      planes.inverse[at(i)] = p.inverse[0];
+      planes.slope_u[at(i)] = p.slope_u[0];
+      planes.slope_v[at(i)] = p.slope_v[0];
     }
-    Lanes own, own_u, own_v, missing, found{}, nearest{};
-    for (std::size_t k = 0; k < kNeighbors; ++k)
+    return planes;
+  }
+
+  /// The same from the 3 × 3 pixels around each, none of which may be outside; `unclear` where
+  /// these hold too few points.
+  InversePlanes<kLanes> fit_inside(const std::vector<Sample>& samples, int u, int v, float step,
+                                   std::array<char, kLanes>& unclear) const {
+    constexpr std::size_t kOwn = 4;
+    PixelPoints<kLanes, 9> p;
+    p.count = 9;
+    std::array<float, kLanes> found{}, nearest{};
+    for (std::size_t k = 0; k < p.count; ++k) {
+      const int du = static_cast<int>(k % 3) - 1, dv = static_cast<int>(k / 3) - 1;
+      const Sample* row = &sample(samples, u + du, v + dv);
       for (std::size_t i = 0; i < kLanes; ++i) {
-        found[i] += one_if(dz[k][i] > 0.0F);
-        nearest[i] = larger(nearest[i], dz[k][i]);
+        p.u[k][i] = static_cast<float>(du) + row[i].du;
+        p.v[k][i] = static_cast<float>(dv) + row[i].dv;
+        p.inverse[k][i] = row[i].inverse;
       }
-    float unclear = 0.0F;
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      missing[i] = one_if(dz[kOwn][i] == 0.0F);
-      own[i] = dz[kOwn][i] + missing[i] * nearest[i];
-      own_u[i] = dx[kOwn][i];
-      own_v[i] = dy[kOwn][i];
-      unclear += missing[i] * one_if(found[i] < 3.0F);
-    }
-    for (std::size_t k = 0; k < kNeighbors; ++k) {
-      const float across = static_cast<float>(k % 3) - 1.0F;
-      const float down = static_cast<float>(k / 3) - 1.0F;
       for (std::size_t i = 0; i < kLanes; ++i) {
-        const float inverse = dz[k][i], rise = inverse - own[i];
-        const float x = across + dx[k][i] - own_u[i], y = down + dy[k][i] - own_v[i];
-        const int counts = int(inverse > 0.0F) & int(std::abs(rise) <= 2.0F * step * own[i]);
-        dx[k][i] = x;
-        dy[k][i] = y;
-        dz[k][i] = rise;
-        weight[k][i] = one_if(counts) / (0.25F + x * x + y * y);
+        found[i] += one_if(p.inverse[k][i] > 0.0F);
+        nearest[i] = larger(nearest[i], p.inverse[k][i]);
       }
-    }
-    Lanes rise{}, slope_u{}, slope_v{}, active;
-    active.fill(1.0F);
-    for (int round = 0; round < kRounds; ++round) {
-      Lanes sw{}, sx{}, sy{}, sxx{}, sxy{}, syy{}, sz{}, sxz{}, syz{}, error{};
-      for (std::size_t k = 0; k < kNeighbors; ++k)
-        for (std::size_t i = 0; i < kLanes; ++i) {
-          const float w = weight[k][i], wx = w * dx[k][i], wy = w * dy[k][i];
-          sw[i] += w, sx[i] += wx, sy[i] += wy, sz[i] += w * dz[k][i];
-          sxx[i] += wx * dx[k][i], sxy[i] += wx * dy[k][i], syy[i] += wy * dy[k][i];
-          sxz[i] += wx * dz[k][i], syz[i] += wy * dz[k][i];
-        }
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        const float per = 1.0F / (sw[i] + kTiny);
-        const float cxx = sxx[i] - sx[i] * sx[i] * per, cxy = sxy[i] - sx[i] * sy[i] * per;
-        const float cyy = syy[i] - sy[i] * sy[i] * per, cxz = sxz[i] - sx[i] * sz[i] * per;
-        const float cyz = syz[i] - sy[i] * sz[i] * per;
-        const float det = cxx * cyy - cxy * cxy, least = kLeastSpread * (cxx + cyy) * (cxx + cyy);
-        active[i] *= one_if(det > least);
-        const float per_det = 1.0F / (std::abs(det) + kTiny);
-        const float to_u = (cxz * cyy - cyz * cxy) * per_det;
-        const float to_v = (cyz * cxx - cxz * cxy) * per_det;
-        const float to = (sz[i] - to_u * sx[i] - to_v * sy[i]) * per;
-        slope_u[i] += active[i] * (to_u - slope_u[i]);
-        slope_v[i] += active[i] * (to_v - slope_v[i]);
-        rise[i] += active[i] * (to - rise[i]);
-      }
-      for (std::size_t k = 0; k < kNeighbors; ++k)
-        for (std::size_t i = 0; i < kLanes; ++i) {
-          const float r = dz[k][i] - rise[i] - slope_u[i] * dx[k][i] - slope_v[i] * dy[k][i];
-          error[i] = larger(error[i], std::abs(r) * one_if(weight[k][i] > 0.0F));
-        }
-      float any = 0.0F;
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        active[i] *= one_if(error[i] >= kGoodFit * own[i]);
-        any += active[i];
-      }
-      if (any == 0.0F) break;
-      for (std::size_t k = 0; k < kNeighbors; ++k)
-        for (std::size_t i = 0; i < kLanes; ++i) {
-          const float r = dz[k][i] - rise[i] - slope_u[i] * dx[k][i] - slope_v[i] * dy[k][i];
-          const float off = r * kOutlier / larger(error[i], kTiny);
-          weight[k][i] /= 1.0F + off * off;
-        }
     }
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const float change = rise[i] - slope_u[i] * own_u[i] - slope_v[i] * own_v[i];
-      const float sane =
-          one_if(int(std::abs(change) < 2.0F * step * own[i]) & int(own[i] + change > 0.0F));
-      out.inverse[i] = own[i] + sane * change;
-      out.slope_u[i] = sane * slope_u[i];
-      out.slope_v[i] = sane * slope_v[i];
+      const float missing = one_if(p.inverse[kOwn][i] == 0.0F);
+      p.own[i] = p.inverse[kOwn][i] + missing * nearest[i];
+      p.own_u[i] = p.u[kOwn][i];
+      p.own_v[i] = p.v[kOwn][i];
+      unclear[i] = missing * one_if(found[i] < kFewest) > 0.0F ? 1 : 0;
     }
-    if (unclear > 0.0F)
-      for (int i = 0; i < kLanes; ++i)
-        if (missing[at(i)] * one_if(found[at(i)] < 3.0F) > 0.0F)
-          out.set(i, fit(samples, u + i, v, step));
+    return fit_planes(p, 2.0F * step, 2.0F * step);
+  }
+
+  /// The surface at one pixel, from the pixels up to two away that there are.
+  InversePlanes<1> fit(const std::vector<Sample>& samples, int u, int v, float step) const {
+    const int n = side_ + 2 * kMargin;
+    // The pixel's own point, or the nearest to the sensor among its neighbours'.
+    Sample own = sample(samples, u, v);
+    const bool missing = own.inverse == 0.0F;
+    PixelPoints<1, 25> p;
+    int radius = 1;
+    for (; radius <= (missing ? 2 : 1); ++radius) {
+      p.count = 0;
+      for (int y = std::max(0, v - radius); y <= std::min(n - 1, v + radius); ++y)
+        for (int x = std::max(0, u - radius); x <= std::min(n - 1, u + radius); ++x) {
+          const Sample& s = sample(samples, x, y);
+          if (s.inverse == 0.0F) continue;
+          p.u[p.count][0] = static_cast<float>(x - u) + s.du;
+          p.v[p.count][0] = static_cast<float>(y - v) + s.dv;
+          p.inverse[p.count][0] = s.inverse;
+          ++p.count;
+          if (missing) own.inverse = std::max(own.inverse, s.inverse);
+        }
+      if (!missing || static_cast<float>(p.count) >= kFewest) break;
+    }
+    if (radius > 2) return kNothing;
+    p.own[0] = own.inverse;
+    p.own_u[0] = own.du;
+    p.own_v[0] = own.dv;
+    return fit_planes(p, step * static_cast<float>(radius + 1), 2.0F * step);
   }
 
   Pose T_world_sensor_ = Pose::Identity();
