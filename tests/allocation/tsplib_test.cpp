@@ -119,7 +119,7 @@ TEST(tsplib_refuses_bad_files_in_one_line_with_its_number) {
     const std::string message = message_of(text);
     check::report(
         message.find(part) != std::string::npos && message.find('\n') == std::string::npos,
-        __FILE__, __LINE__, text + " -> " + message);
+        __FILE__, __LINE__, (text + " -> " + message).c_str());
   }
 }
 

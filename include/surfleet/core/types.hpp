@@ -37,7 +37,8 @@ struct Configuration {
   /// The body's pose: x forward along the heading, z up.
   Pose pose() const {
     Pose T_world_body = Pose::Identity();
-    T_world_body.translate(position).rotate(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+    T_world_body.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    T_world_body.translation() = position;
     return T_world_body;
   }
 };
@@ -56,7 +57,8 @@ inline Pose forward_camera_mount(double pitch = 0.0, const Point3& offset = Poin
   Eigen::Matrix3d optical;  // columns: camera x (right), y (down), z (forward) in the body frame
   optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   Pose T = Pose::Identity();
-  T.translate(offset).rotate(Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY())).rotate(optical);
+  T.linear() = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix() * optical;
+  T.translation() = offset;
   return T;
 }
 }  // namespace surfleet

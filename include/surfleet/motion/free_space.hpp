@@ -491,10 +491,11 @@ class FreeSpace {
   Slab lowered(const std::int16_t* in, int stride, std::int16_t cap) const {
     Slab slab;
     slab.fill(cap);
+    std::int16_t* const least = slab.data();
     for (int d = -reach_; d <= reach_; ++d, in += stride)
       for (std::size_t i = 0; i < slab.size(); ++i) {
         const auto through = static_cast<std::int16_t>(in[i] + d * d);
-        slab[i] = through < slab[i] ? through : slab[i];
+        least[i] = through < least[i] ? through : least[i];
       }
     return slab;
   }
