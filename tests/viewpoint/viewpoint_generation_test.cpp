@@ -2,6 +2,7 @@
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "check.hpp"
@@ -13,8 +14,10 @@ using namespace view_test;
 
 const PinholeCamera kCamera = PinholeCamera::from_fov(radians(90), radians(60), 320, 240, 1.0, 8.0);
 
+/// One type for all predicates of the tests: generation is compiled twice, not for each.
+using IsFree = std::function<bool(const Configuration&)>;
+
 /// What every result owes its caller.
-template <typename IsFree>
 void check_promises(const ViewpointSet& set, std::span<const IncompleteElement> elements,
                     const VoxelStateMap& states, const ViewpointOptions& options,
                     const IsFree& is_free) {
@@ -121,7 +124,7 @@ TEST(a_blocked_ideal_pose_is_replaced) {
   const auto elements = elements_of(map);
   const ViewpointOptions options{.distance = 4.0, .known_eye = false};
   // Taken: everything farther from the wall than three metres.
-  const auto near_only = [&](const Configuration& q) {
+  const IsFree near_only = [&](const Configuration& q) {
     return q.position.x() < 3.0 && states.at(q.position) == VoxelState::empty;
   };
   const ViewpointSet nearer =
@@ -129,12 +132,12 @@ TEST(a_blocked_ideal_pose_is_replaced) {
   check_promises(nearer, elements, states, options, near_only);
   CHECK(nearer.unseen.empty());
   // Taken: all that is straight in front of where the elements are.
-  const auto one_side = [&](const Configuration& q) { return q.position.y() < -4.0; };
+  const IsFree one_side = [&](const Configuration& q) { return q.position.y() < -4.0; };
   const ViewpointSet oblique =
       generate_viewpoints(std::span(elements), states, kCamera, options, one_side);
   check_promises(oblique, elements, states, options, one_side);
   CHECK(!oblique.empty());
-  const auto nowhere = [](const Configuration&) { return false; };
+  const IsFree nowhere = [](const Configuration&) { return false; };
   const ViewpointSet none =
       generate_viewpoints(std::span(elements), states, kCamera, options, nowhere);
   CHECK(none.empty() && none.unseen.size() == elements.size());
@@ -165,7 +168,7 @@ TEST(tries_are_bounded) {
   const VoxelStateMap states(map);
   const auto elements = elements_of(map);
   std::size_t asked = 0;
-  const auto count = [&](const Configuration&) { return ++asked, false; };
+  const IsFree count = [&](const Configuration&) { return ++asked, false; };
   static_cast<void>(generate_viewpoints(std::span(elements), states, kCamera,
                                         {.distance = 4.0, .max_tries = 5}, count));
   CHECK(asked <= 5 * elements.size() && asked > elements.size());
