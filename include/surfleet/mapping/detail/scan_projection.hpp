@@ -62,14 +62,15 @@ class ScanProjection {
     const double per_pixel = kPointsPerPixel * solid_angle / std::max(count, 1.0);
     const double per_face = 2.0 * kPi / 3.0 / std::max(per_pixel, 1e-9);
     side_ = std::clamp(static_cast<int>(std::lround(std::sqrt(per_face))), 8, 2048);
+    sort_by_face();
     bin(options);
   }
 
   /// Makes `view` the given face; false if it holds no measurement.
   bool resample(int face, const TsdfOptions& options, ProjectiveView& view) {
     const auto f = static_cast<std::size_t>(face);
-    if (counts_[f] == 0) return false;
-    const int n = side_ + 2 * kMargin;
+    if (faces_[f].count == 0) return false;
+    const int n = side_with_margin();
     view.width = view.height = n;
     view.margin = kMargin;
     view.fx = view.fy = focal();
@@ -78,12 +79,11 @@ class ScanProjection {
     view.range_limit = static_cast<float>(max_range_);
     view.set_slope_limit(options.max_slope);
     view.T_world_camera = T_world_sensor_ * Pose(axes(face));
-    const std::vector<Sample>& samples = samples_[f];
     view.planes.resize(view.pixels() + 1);
     view.fill(options.threads, [&](int v, float* out) {
       SurfacePlane* planes = view.planes.data() + static_cast<std::ptrdiff_t>(v) * n;
       for (int first = 0; first < n; first += kLanes) {
-        const InversePlanes<kLanes> fitted = fit_row(samples, first, v, view.max_step_u);
+        const InversePlanes<kLanes> fitted = fit_row(faces_[f], first, v, view.max_step_u);
         const int lanes = std::min(kLanes, n - first);
         for (int i = 0; i < lanes; ++i) {
           const int u = first + i;
@@ -103,6 +103,7 @@ class ScanProjection {
 
  private:
   static constexpr int kMargin = 2;
+  static constexpr int kPad = 2;  ///< How far around a pixel points are looked for.
   static constexpr double kPointsPerPixel = 1.5;
   static constexpr float kFewest = 3.0F;  ///< Points that stand in for a pixel without its own.
   static constexpr InversePlanes<1> kNothing{{1.0F / kNoDepth}, {}, {}};
@@ -115,6 +116,14 @@ class ScanProjection {
   struct Sample {
     float du = 0.0F, dv = 0.0F;  ///< From the pixel's centre [px].
     float inverse = 0.0F;        ///< 1 / depth; 0 for none.
+  };
+
+  /// One of the six images, with `kPad` pixels around it that hold no point, to the right at least.
+  struct Face {
+    std::vector<std::uint32_t> points;  ///< That may be in it, in the order of the scan.
+    std::vector<Sample> samples;
+    std::vector<char> any;  ///< Whether a run of `kLanes` pixels holds a point.
+    std::size_t count = 0;
   };
 
   static constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -130,7 +139,7 @@ class ScanProjection {
     return R;
   }
   float focal() const { return 0.5F * static_cast<float>(side_); }
-  float center() const { return 0.5F * static_cast<float>(side_ + 2 * kMargin - 1); }
+  float center() const { return 0.5F * static_cast<float>(side_with_margin() - 1); }
 
   static Located locate(const Point3& p, double near2, double far2, bool beyond) {
     const double r2 = p.squaredNorm();
@@ -144,24 +153,42 @@ class ScanProjection {
             static_cast<float>(sign * p[(axis + 2) % 3] / z), static_cast<float>(1.0 / z)};
   }
 
+  int side_with_margin() const { return side_ + 2 * kMargin; }
+  int runs() const { return (side_with_margin() + kLanes - 1) / kLanes; }
+  int stride() const { return runs() * kLanes + 2 * kPad; }
+  /// How far from its centre a face's margin reaches, as a multiple of the face itself.
+  float reach() const { return 1.0F + 2.0F * kMargin / static_cast<float>(side_); }
+
+  void sort_by_face() {
+    for (Face& f : faces_) f.points.clear();
+    for (std::size_t i = 0; i < located_.size(); ++i) {
+      const Located& p = located_[i];
+      if (p.face < 0) continue;
+      const auto index = static_cast<std::uint32_t>(i);
+      if (std::max(std::abs(p.x), std::abs(p.y)) * reach() < 1.0F)
+        faces_[at(p.face)].points.push_back(index);
+      else  // points just beyond a face's border fill its margin
+        for (Face& f : faces_) f.points.push_back(index);
+    }
+  }
+
   void bin(const TsdfOptions& options) {
-    const int n = side_ + 2 * kMargin;
+    const int n = side_with_margin();
     parallel_for(kFaces, options.threads, [&](std::size_t f) {
-      std::vector<Sample>& samples = samples_[f];
-      samples.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), Sample{});
-      counts_[f] = 0;
+      Face& face = faces_[f];
+      face.samples.assign(at(stride()) * at(n + 2 * kPad), Sample{});
+      face.any.assign(at(runs() + 2) * at(n + 2 * kPad), 0);
+      face.count = 0;
       const float step = static_cast<float>(options.max_slope) / focal();
-      const float reach = 1.0F + 2.0F * kMargin / static_cast<float>(side_);
       const Eigen::Matrix3f to_face = axes(static_cast<int>(f)).transpose().cast<float>();
-      for (const Located& p : located_) {
-        if (p.face < 0) continue;
+      for (const std::uint32_t i : face.points) {
+        const Located& p = located_[i];
         float x = p.x, y = p.y, inverse = p.inverse;
         if (p.face != static_cast<int>(f)) {
-          // Points just beyond the face's border fill its margin.
-          if (std::max(std::abs(x), std::abs(y)) * reach < 1.0F) continue;
           const Eigen::Vector3f q =
               to_face * (axes(p.face).cast<float>() * Eigen::Vector3f(x, y, 1.0F));
-          if (q.z() < 0.5F || std::max(std::abs(q.x()), std::abs(q.y())) > q.z() * reach) continue;
+          if (q.z() < 0.5F || std::max(std::abs(q.x()), std::abs(q.y())) > q.z() * reach())
+            continue;
           x = q.x() / q.z();
           y = q.y() / q.z();
           inverse /= q.z();
@@ -170,9 +197,9 @@ class ScanProjection {
         const int iu = static_cast<int>(u + 0.5F), iv = static_cast<int>(v + 0.5F);
         if (iu < 0 || iv < 0 || iu >= n || iv >= n) continue;
         const Sample s{u - static_cast<float>(iu), v - static_cast<float>(iv), inverse};
-        Sample& kept = samples[static_cast<std::size_t>(iv) * static_cast<std::size_t>(n) +
-                               static_cast<std::size_t>(iu)];
-        ++counts_[f];
+        Sample& kept = face.samples[pixel(iu, iv)];
+        ++face.count;
+        face.any[at(iv + kPad) * at(runs() + 2) + at(iu / kLanes + 1)] = 1;
         const float limit = step * std::max(s.inverse, kept.inverse);
         const bool nearer = s.inverse - kept.inverse > limit;
         const bool similar = std::abs(s.inverse - kept.inverse) <= limit;
@@ -182,23 +209,28 @@ class ScanProjection {
     });
   }
 
-  const Sample& sample(const std::vector<Sample>& samples, int u, int v) const {
-    return samples[at(v) * at(side_ + 2 * kMargin) + at(u)];
+  std::size_t pixel(int u, int v) const { return at(v + kPad) * at(stride()) + at(u + kPad); }
+
+  /// Whether a point is within `kPad` pixels of the pixels (u … u + kLanes − 1, v).
+  bool any_near(const Face& face, int u, int v) const {
+    for (int y = v; y <= v + 2 * kPad; ++y) {
+      const char* run = &face.any[at(y) * at(runs() + 2) + at(u / kLanes)];
+      if ((run[0] | run[1] | run[2]) != 0) return true;
+    }
+    return false;
   }
 
-  /// The surfaces at the pixels (u … u + kLanes − 1, v); of depth `kNoDepth` where nothing is known
-  /// and beyond the row's end.
-  InversePlanes<kLanes> fit_row(const std::vector<Sample>& samples, int u, int v,
-                                float step) const {
-    const int n = side_ + 2 * kMargin;
-    const bool inside = u > 0 && v > 0 && u + kLanes < n && v + 1 < n;
+  /// The surfaces at the pixels (u … u + kLanes − 1, v), u a multiple of kLanes; of depth
+  /// `kNoDepth` where nothing is known.
+  InversePlanes<kLanes> fit_row(const Face& face, int u, int v, float step) const {
     InversePlanes<kLanes> planes;
+    planes.inverse.fill(kNothing.inverse[0]);
+    if (!any_near(face, u, v)) return planes;
     std::array<char, kLanes> unclear;
-    unclear.fill(1);
-    if (inside) planes = fit_inside(samples, u, v, step, unclear);
+    planes = fit_near(face, u, v, step, unclear);
     for (int i = 0; i < kLanes; ++i) {
       if (unclear[at(i)] == 0) continue;
-      const InversePlanes<1> p = u + i < n ? fit(samples, u + i, v, step) : kNothing;
+      const InversePlanes<1> p = fit_far(face, u + i, v, step);
       planes.inverse[at(i)] = p.inverse[0];
       planes.slope_u[at(i)] = p.slope_u[0];
       planes.slope_v[at(i)] = p.slope_v[0];
@@ -206,17 +238,16 @@ class ScanProjection {
     return planes;
   }
 
-  /// The same from the 3 × 3 pixels around each, none of which may be outside; `unclear` where
-  /// these hold too few points.
-  InversePlanes<kLanes> fit_inside(const std::vector<Sample>& samples, int u, int v, float step,
-                                   std::array<char, kLanes>& unclear) const {
+  /// The same from the 3 × 3 pixels around each; `unclear` where these hold too few points.
+  InversePlanes<kLanes> fit_near(const Face& face, int u, int v, float step,
+                                 std::array<char, kLanes>& unclear) const {
     constexpr std::size_t kOwn = 4;
     PixelPoints<kLanes, 9> p;
     p.count = 9;
     std::array<float, kLanes> found{}, nearest{};
     for (std::size_t k = 0; k < p.count; ++k) {
       const int du = static_cast<int>(k % 3) - 1, dv = static_cast<int>(k / 3) - 1;
-      const Sample* row = &sample(samples, u + du, v + dv);
+      const Sample* row = &face.samples[pixel(u + du, v + dv)];
       for (std::size_t i = 0; i < kLanes; ++i) {
         p.u[k][i] = static_cast<float>(du) + row[i].du;
         p.v[k][i] = static_cast<float>(dv) + row[i].dv;
@@ -237,40 +268,27 @@ class ScanProjection {
     return fit_planes(p, 2.0F * step, 2.0F * step);
   }
 
-  /// The surface at one pixel, from the pixels up to two away that there are.
-  InversePlanes<1> fit(const std::vector<Sample>& samples, int u, int v, float step) const {
-    const int n = side_ + 2 * kMargin;
-    // The pixel's own point, or the nearest to the sensor among its neighbours'.
-    Sample own = sample(samples, u, v);
-    const bool missing = own.inverse == 0.0F;
+  /// The surface at one pixel without a point of its own, from the 5 × 5 around it.
+  InversePlanes<1> fit_far(const Face& face, int u, int v, float step) const {
     PixelPoints<1, 25> p;
-    int radius = 1;
-    for (; radius <= (missing ? 2 : 1); ++radius) {
-      p.count = 0;
-      for (int y = std::max(0, v - radius); y <= std::min(n - 1, v + radius); ++y)
-        for (int x = std::max(0, u - radius); x <= std::min(n - 1, u + radius); ++x) {
-          const Sample& s = sample(samples, x, y);
-          if (s.inverse == 0.0F) continue;
-          p.u[p.count][0] = static_cast<float>(x - u) + s.du;
-          p.v[p.count][0] = static_cast<float>(y - v) + s.dv;
-          p.inverse[p.count][0] = s.inverse;
-          ++p.count;
-          if (missing) own.inverse = std::max(own.inverse, s.inverse);
-        }
-      if (!missing || static_cast<float>(p.count) >= kFewest) break;
-    }
-    if (radius > 2) return kNothing;
-    p.own[0] = own.inverse;
-    p.own_u[0] = own.du;
-    p.own_v[0] = own.dv;
-    return fit_planes(p, step * static_cast<float>(radius + 1), 2.0F * step);
+    for (int dv = -kPad; dv <= kPad; ++dv)
+      for (int du = -kPad; du <= kPad; ++du) {
+        const Sample& s = face.samples[pixel(u + du, v + dv)];
+        if (s.inverse == 0.0F) continue;
+        p.u[p.count][0] = static_cast<float>(du) + s.du;
+        p.v[p.count][0] = static_cast<float>(dv) + s.dv;
+        p.inverse[p.count][0] = s.inverse;
+        p.own[0] = std::max(p.own[0], s.inverse);
+        ++p.count;
+      }
+    if (static_cast<float>(p.count) < kFewest) return kNothing;
+    return fit_planes(p, 3.0F * step, 2.0F * step);
   }
 
   Pose T_world_sensor_ = Pose::Identity();
   double max_range_ = 0.0;
   int side_ = 8;
   std::vector<Located> located_;
-  std::array<std::vector<Sample>, kFaces> samples_;
-  std::array<std::size_t, kFaces> counts_{};
+  std::array<Face, kFaces> faces_;
 };
 }  // namespace surfleet::detail
