@@ -11,7 +11,6 @@ add_library(surfleet::surfleet ALIAS surfleet)
 target_compile_features(surfleet INTERFACE cxx_std_20)
 target_sources(surfleet INTERFACE FILE_SET HEADERS BASE_DIRS include FILES ${headers})
 target_link_libraries(surfleet INTERFACE Eigen3::Eigen Threads::Threads)
-set_target_properties(surfleet PROPERTIES VERIFY_INTERFACE_HEADER_SETS ${PROJECT_IS_TOP_LEVEL})
 set(targets surfleet)
 
 # surfleet_adapter(name package headers...): the component surfleet::<name>, where <package> is found.
@@ -29,8 +28,7 @@ function(surfleet_adapter name package library)
   add_library(surfleet::${name} ALIAS surfleet_${name})
   target_sources(surfleet_${name} INTERFACE FILE_SET HEADERS BASE_DIRS include FILES ${files})
   target_link_libraries(surfleet_${name} INTERFACE surfleet ${library})
-  set_target_properties(surfleet_${name} PROPERTIES EXPORT_NAME ${name}
-                        VERIFY_INTERFACE_HEADER_SETS ${PROJECT_IS_TOP_LEVEL})
+  set_target_properties(surfleet_${name} PROPERTIES EXPORT_NAME ${name})
   set(targets ${targets} surfleet_${name} PARENT_SCOPE)
 endfunction()
 
