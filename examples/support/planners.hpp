@@ -2,8 +2,6 @@
 /// @file  The planners behind the names that the binaries know.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,18 +16,6 @@
 #include <surfleet/fleet/with_space_looks.hpp>
 
 namespace surfleet::examples {
-/// Any fleet planner behind one type, so that a mission is compiled once.
-struct AnyPlanner {
-  std::function<PlanResult(const PlanRequest&)> plan;
-  PlanResult operator()(const PlanRequest& request) { return plan(request); }
-
-  template <FleetPlanner P>
-  static AnyPlanner of(P planner) {
-    auto shared = std::make_shared<P>(std::move(planner));
-    return {[shared](const PlanRequest& request) { return (*shared)(request); }};
-  }
-};
-
 /// Throws `Error` for a name that is not among `kPlanners`.
 inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& tours,
                                const RatePlannerOptions& rate) {
@@ -37,7 +23,7 @@ inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& 
   TourPlannerOptions asynchronous = tours;
   asynchronous.asynchronous = true;
   const auto made = [&](auto planner) {
-    return AnyPlanner::of(
+    return AnyPlanner(
         WithSpaceLooks(std::move(planner), SpaceLooksOptions{.distance = tours.distance}));
   };
   if (name == "tsga") return made(TsgaPlanner(tours));

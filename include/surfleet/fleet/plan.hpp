@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -67,4 +68,8 @@ template <typename P>
 concept FleetPlanner = requires(P& planner, const PlanRequest& request) {
   { planner(request) } -> std::same_as<PlanResult>;
 };
+
+/// Any copyable planner behind one type, so that what takes a planner is compiled once.
+using AnyPlanner = std::function<PlanResult(const PlanRequest&)>;
+static_assert(FleetPlanner<AnyPlanner>);
 }  // namespace surfleet
