@@ -491,7 +491,7 @@ class FreeSpace {
   Slab lowered(const std::int16_t* in, int stride, std::int16_t cap) const {
     Slab slab;
     slab.fill(cap);
-    std::int16_t* const least = slab.data();
+    std::int16_t* const least = slab.data();  // the sanitizers' build would call operator[]
     for (int d = -reach_; d <= reach_; ++d, in += stride)
       for (std::size_t i = 0; i < slab.size(); ++i) {
         const auto through = static_cast<std::int16_t>(in[i] + d * d);

@@ -161,11 +161,12 @@ class ScanProjection {
 
   void sort_by_face() {
     for (Face& f : faces_) f.points.clear();
+    const float to_margin = reach();
     for (std::size_t i = 0; i < located_.size(); ++i) {
       const Located& p = located_[i];
       if (p.face < 0) continue;
       const auto index = static_cast<std::uint32_t>(i);
-      if (std::max(std::abs(p.x), std::abs(p.y)) * reach() < 1.0F)
+      if (std::max(std::abs(p.x), std::abs(p.y)) * to_margin < 1.0F)
         faces_[at(p.face)].points.push_back(index);
       else  // points just beyond a face's border fill its margin
         for (Face& f : faces_) f.points.push_back(index);
@@ -179,7 +180,7 @@ class ScanProjection {
       face.samples.assign(at(stride()) * at(n + 2 * kPad), Sample{});
       face.any.assign(at(runs() + 2) * at(n + 2 * kPad), 0);
       face.count = 0;
-      const float step = static_cast<float>(options.max_slope) / focal();
+      const float step = static_cast<float>(options.max_slope) / focal(), to_margin = reach();
       const Eigen::Matrix3f to_face = axes(static_cast<int>(f)).transpose().cast<float>();
       for (const std::uint32_t i : face.points) {
         const Located& p = located_[i];
@@ -187,7 +188,7 @@ class ScanProjection {
         if (p.face != static_cast<int>(f)) {
           const Eigen::Vector3f q =
               to_face * (axes(p.face).cast<float>() * Eigen::Vector3f(x, y, 1.0F));
-          if (q.z() < 0.5F || std::max(std::abs(q.x()), std::abs(q.y())) > q.z() * reach())
+          if (q.z() < 0.5F || std::max(std::abs(q.x()), std::abs(q.y())) > q.z() * to_margin)
             continue;
           x = q.x() / q.z();
           y = q.y() / q.z();
@@ -199,7 +200,7 @@ class ScanProjection {
         const Sample s{u - static_cast<float>(iu), v - static_cast<float>(iv), inverse};
         Sample& kept = face.samples[pixel(iu, iv)];
         ++face.count;
-        face.any[at(iv + kPad) * at(runs() + 2) + at(iu / kLanes + 1)] = 1;
+        face.any[run(iu, iv)] = 1;
         const float limit = step * std::max(s.inverse, kept.inverse);
         const bool nearer = s.inverse - kept.inverse > limit;
         const bool similar = std::abs(s.inverse - kept.inverse) <= limit;
@@ -210,12 +211,13 @@ class ScanProjection {
   }
 
   std::size_t pixel(int u, int v) const { return at(v + kPad) * at(stride()) + at(u + kPad); }
+  std::size_t run(int u, int v) const { return at(v + kPad) * at(runs() + 2) + at(u / kLanes + 1); }
 
   /// Whether a point is within `kPad` pixels of the pixels (u … u + kLanes − 1, v).
   bool any_near(const Face& face, int u, int v) const {
-    for (int y = v; y <= v + 2 * kPad; ++y) {
-      const char* run = &face.any[at(y) * at(runs() + 2) + at(u / kLanes)];
-      if ((run[0] | run[1] | run[2]) != 0) return true;
+    for (int y = v - kPad; y <= v + kPad; ++y) {
+      const char* any = &face.any[run(u, y)];
+      if ((any[-1] | any[0] | any[1]) != 0) return true;
     }
     return false;
   }
