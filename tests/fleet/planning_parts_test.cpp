@@ -9,6 +9,7 @@
 #include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
+#include <surfleet/fleet/tour_planner.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
 #include <surfleet/fleet/view_memory.hpp>
 #include <surfleet/fleet/worth_around.hpp>
@@ -215,6 +216,69 @@ TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
     incomplete.update(states);
   }
   CHECK(remembered * 2 < anew);  // what cannot be reached is always asked about
+}
+
+TEST(nobody_is_sent_where_he_cannot_get) {
+  constexpr double kVoxel = 0.3;
+  TsdfMap map({.voxel_size = kVoxel});
+  // Two rooms with pillars and unknown space, and between them a wall without a door.
+  map_test::paint(map, {-36, -24, 0}, {36, 24, 13}, [](const VoxelIndex& v) {
+    const bool pillar = (v.x() & 15) < 4 && (v.y() & 15) < 4 && v.z() < 9;
+    return v.z() == 0 || pillar || std::abs(v.x() - 3) < 2 ? VoxelState::occupied
+           : (v.x() + 40) % 23 < 3 && v.z() < 6            ? VoxelState::unknown
+                                                           : VoxelState::empty;
+  });
+  const VoxelStateMap states(map);
+  const FreeSpace free(states, {.radius = 0.4, .margin = 0.3});
+  LazyPrmStar roadmap(free);
+  IncompleteSurface incomplete;
+  incomplete.update(states);
+  const std::vector<IncompleteElement> work = incomplete.elements();
+  const PinholeCamera camera = PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0);
+  const Pose mount = forward_camera_mount();
+  const HeadingTable headings(camera, mount);
+  const LookLedger ledger;
+  const Box3 region(Point3(-10.0, -7.0, 0.0), Point3(10.0, 7.0, 3.5));
+  const auto check = [&](auto planner) {
+    std::size_t stops = 0;
+    Random random(4);
+    for (int round = 0; round < 2; ++round) {
+      std::vector<RobotRequest> robots;
+      while (robots.size() < 3) {
+        const Point3 p(random.uniform(-8, 8), random.uniform(-6, 6), random.uniform(1, 2.5));
+        if (free.is_free(p)) robots.push_back({{p, 0.0}, true, {}});
+      }
+      const PlanResult result = planner(PlanRequest{.work = work,
+                                                    .incomplete = incomplete,
+                                                    .known = states,
+                                                    .observed = states,
+                                                    .ledger = ledger,
+                                                    .free_space = free,
+                                                    .roadmap = roadmap,
+                                                    .camera = camera,
+                                                    .T_body_camera = mount,
+                                                    .headings = headings,
+                                                    .region = region,
+                                                    .robots = robots});
+      std::size_t served = 0;
+      for (std::size_t r = 0; r < robots.size(); ++r) {
+        if (!result.routes[r]) continue;
+        served += result.routes[r]->empty() ? 0 : 1;
+        for (const Stop& stop : *result.routes[r]) {
+          CHECK(roadmap.reachable(robots[r].configuration.position, stop.configuration.position));
+          ++stops;
+        }
+      }
+      CHECK(served >= 2);
+    }
+    CHECK(stops > 10);
+  };
+  TourPlannerOptions options;
+  options.distance = 2.5;
+  check(TsgaPlanner(options));
+  check(NnbPlanner(options));
+  check(MakespanPlanner(options));
+  check(CoverPlanner(options));
 }
 
 TEST(unseen_space_is_the_border_of_what_is_known_empty) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/motion/lazy_prm.hpp>
 
+#include <array>
 #include <set>
 
 #include "check.hpp"
@@ -68,6 +69,51 @@ TEST(distances_bound_and_match_queries) {
     CHECK(d[i] >= exact - 1e-9);
     CHECK(d[i] < 1.35 * exact);
   }
+}
+
+TEST(a_robot_leaves_a_place_too_narrow_for_the_lattice) {
+  // A body so small that it fits diagonally between obstacles, where no row of voxel centres does.
+  int pockets = 0, ways_out = 0;
+  for (int round = 0; round < 8; ++round) {
+    Random random(static_cast<std::uint64_t>(round));
+    const double density = 0.06 + 0.01 * round;
+    TsdfMap tsdf({.voxel_size = 0.3});
+    observe(tsdf, box(-3, -3, -3, 3, 3, 3),
+            [&](const Point3&) { return random.uniform() < density ? -0.1 : 0.3; });
+    const VoxelStateMap states(tsdf);
+    const FreeSpace space(states, {.radius = 0.2, .margin = 0.1});
+    LazyPrmStar roadmap(space, {.spacing = 1.0, .escape_distance = 1.0});
+    const ReachableSet& set = roadmap.reachable_set();
+    const auto place = [&] {
+      return Point3(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2));
+    };
+    for (int i = 0; i < 3000; ++i) {
+      const Point3 p = place(), q = place();
+      const auto own = set.component(p), home = set.component(q);
+      if (!space.is_free(p) || !home) continue;
+      // Brute force: a straight way to a larger piece of the lattice that leads to q?
+      bool leads_out = false;
+      if (own != home && (!own || set.size(*own) < set.size(*home))) {
+        ++pockets;
+        const VoxelIndex middle = space.grid().index_of(p);
+        for_each_index(middle - VoxelIndex::Constant(5), middle + VoxelIndex::Constant(5),
+                       [&](const VoxelIndex& v) {
+                         const Point3 c = space.grid().center(v);
+                         leads_out |= set.component(v) == home && (c - p).norm() <= 1.0 &&
+                                      space.is_free_segment(p, c);
+                       });
+        ways_out += leads_out ? 1 : 0;
+      }
+      const auto path = roadmap.query(p, q);
+      CHECK(path.has_value() == (own == home || leads_out || space.is_free_segment(p, q)));
+      CHECK(roadmap.reachable(p, q) == path.has_value());
+      CHECK(std::isfinite(roadmap.distances(p, std::array{q})[0]) == path.has_value());
+      if (path)
+        CHECK(path_is_free(space, *path) && (path->points.front() - p).norm() < 1e-12 &&
+              (path->points.back() - q).norm() < 1e-12);
+    }
+  }
+  CHECK(pockets > 50 && ways_out > 5);
 }
 
 TEST(repairs_itself_as_the_map_changes) {

@@ -30,6 +30,7 @@ struct Stop;
 struct TimedConfiguration;
 struct TourPlannerOptions;
 class UnseenSpace;
+class ViewAccess;
 class ViewpointMemory;
 class WorthAround;
 }  // namespace surfleet

@@ -15,6 +15,7 @@
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/improve_allocation.hpp>
 #include <surfleet/fleet/plan.hpp>
+#include <surfleet/fleet/view_access.hpp>
 #include <surfleet/fleet/view_memory.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
@@ -39,6 +40,7 @@ struct ViewSelection {
   std::span<const IncompleteElement> elements;  ///< Their targets.
   const ViewFrustum& frustum;
   const PlanRequest& request;
+  std::span<const LazyPrmStar::Reach> reach;  ///< Of the robots that are planned for.
   SightMemory& revealed;  ///< Of what such a selector finds the views to reveal.
 };
 /// Fewer viewpoints with the same targets. Models: `MergeNearby`, `CoverGreedily`.
@@ -51,7 +53,9 @@ struct MergeNearby {
   MergeOptions merge;  ///< ε and "almost parallel".
   std::vector<Viewpoint> operator()(const ViewSelection& s) const {
     const auto is_free = [&](const Configuration& q) {
-      return s.request.free_space.is_free(q.position);
+      return s.request.free_space.is_free(q.position) &&
+             std::any_of(s.reach.begin(), s.reach.end(),
+                         [&](const auto& r) { return r(q.position); });
     };
     return merge_viewpoints(s.views, merge,
                             SeesTargets{s.elements, &s.request.observed, s.frustum, is_free});
@@ -139,10 +143,10 @@ class TourPlanner {
     const auto is_free = [&](const Configuration& q) {
       return request.free_space.is_free(q.position);
     };
+    std::vector<LazyPrmStar::Reach> reach;
+    for (const Configuration& s : starts) reach.push_back(request.roadmap.reach_from(s.position));
     const auto is_reachable = [&](const Configuration& q) {
-      return std::any_of(starts.begin(), starts.end(), [&](const Configuration& s) {
-        return request.roadmap.reachable(s.position, q.position);
-      });
+      return std::any_of(reach.begin(), reach.end(), [&](const auto& r) { return r(q.position); });
     };
     const auto promises = [&](const IncompleteElement& e, const Eigen::Vector3d& direction) {
       return request.ledger.promises(e.voxel, direction);
@@ -161,36 +165,39 @@ class TourPlanner {
       result.impossible.emplace_back(elements[static_cast<std::size_t>(u.element)].voxel,
                                      left_reason(u.reason));
     const std::vector<Viewpoint> views =
-        select(ViewSelection{set, elements, frustum, request, revealed_});
+        select(ViewSelection{set, elements, frustum, request, reach, revealed_});
     if (views.empty()) return result;
 
     // Clusters and what they are worth.
-    std::vector<ViewpointCluster> clusters = cluster_viewpoints(views, options.clusters);
+    const ViewAccess access(reach, views);
+    std::vector<ViewpointCluster> clusters = access.clusters(views, options.clusters);
     const IncompleteSurfaceGain gain(elements, request.observed, frustum);
     const auto seen =
         seen_(views, elements, frustum, [&](const Configuration& q) { return gain.seen(q); });
     assign_gains(gain, seen, clusters);
-    std::vector<ConfigurationCluster<Configuration>> nodes;
-    std::vector<std::int32_t> view_of;  // by the graph's numbering of configurations
+    using Place = ViewAccess::Place;
+    std::vector<ConfigurationCluster<Place>> nodes;
     for (const ViewpointCluster& c : clusters) {
-      ConfigurationCluster<Configuration> node;
+      ConfigurationCluster<Place> node;
       for (const std::int32_t v : c.views) {
-        node.configurations.push_back(views[static_cast<std::size_t>(v)].configuration);
-        view_of.push_back(v);
+        node.configurations.push_back(
+            {.configuration = views[static_cast<std::size_t>(v)].configuration, .view = v});
       }
       // Every view was made for an element in its sight, so only a merged one can be worth nothing.
       node.gain = std::max(c.gain, 0.5 / static_cast<double>(elements.size()));
       nodes.push_back(std::move(node));
     }
-    const ClusterGraph<Configuration, ExponentialUtility, EuclideanDistance, LinKernighan> graph(
-        std::move(nodes), starts, {options.utility}, {},
+    std::vector<Place> origins;
+    for (const Configuration& s : starts)
+      origins.push_back({.configuration = s, .robot = static_cast<std::int32_t>(origins.size())});
+    const ClusterGraph<Place, ExponentialUtility, ViewAccess::Distance, LinKernighan> graph(
+        std::move(nodes), std::move(origins), {options.utility}, {&access},
         {.search = {.max_iterations = kKicksInside}, .quick_bound = true});
     const FleetPlan plan = improve(graph, allocate(graph));
     for (std::size_t k = 0; k < serve.size(); ++k) {
       Stops route;
       for (const int c : graph.viewpoints(static_cast<int>(k), plan.routes[k])) {
-        const Viewpoint& view =
-            views[static_cast<std::size_t>(view_of[static_cast<std::size_t>(c)])];
+        const Viewpoint& view = views[static_cast<std::size_t>(graph.configuration(c).view)];
         Stop stop{view.configuration, {}};
         for (const std::int32_t t : view.targets)
           stop.targets.push_back(elements[static_cast<std::size_t>(t)].voxel);

@@ -23,6 +23,13 @@ using VoxelIndex = Eigen::Vector3i;
 /// The same as a key of ordered containers.
 using VoxelKey = std::array<int, 3>;
 inline VoxelKey key_of(const VoxelIndex& v) { return {v.x(), v.y(), v.z()}; }
+/// `fn` of every index from `lo` to `hi`, both included; x runs fastest.
+template <typename Fn>
+void for_each_index(const VoxelIndex& lo, const VoxelIndex& hi, Fn&& fn) {
+  for (int z = lo.z(); z <= hi.z(); ++z)
+    for (int y = lo.y(); y <= hi.y(); ++y)
+      for (int x = lo.x(); x <= hi.x(); ++x) fn(VoxelIndex(x, y, z));
+}
 using BlockIndex = Eigen::Vector3i;
 
 struct VoxelGridOptions {

@@ -80,9 +80,9 @@ class FreeSpace {
     free_squared_ = static_cast<std::int16_t>(std::ceil(free_distance * free_distance));
     for (int i = 0; i <= reach_ * reach_; ++i) root_.push_back(h * std::sqrt(i));
     if (!options_.unknown_is_obstacle && !options_.bounds.isEmpty())
-      for_each_in(Grid::block_of(grid_.index_of(options_.bounds.min())),
-                  Grid::block_of(grid_.index_of(options_.bounds.max())),
-                  [&](const BlockIndex& b) { grid_.mark_changed(make(b)); });
+      for_each_index(Grid::block_of(grid_.index_of(options_.bounds.min())),
+                     Grid::block_of(grid_.index_of(options_.bounds.max())),
+                     [&](const BlockIndex& b) { grid_.mark_changed(make(b)); });
     update();
   }
 
@@ -101,7 +101,7 @@ class FreeSpace {
     const Eigen::Vector3d r = Eigen::Vector3d::Constant(ball.radius);
     const BlockIndex lo = Grid::block_of(grid_.index_of(ball.center - r));
     const BlockIndex hi = Grid::block_of(grid_.index_of(ball.center + r));
-    for_each_in(lo, hi, [&](const BlockIndex& b) { pending_.push_back(b); });
+    for_each_index(lo, hi, [&](const BlockIndex& b) { pending_.push_back(b); });
   }
 
   /// Follows the map. Returns the number of blocks whose distances changed.
@@ -142,14 +142,14 @@ class FreeSpace {
     std::vector<std::uint32_t> dirty;
     for (const Change& c : changes) {
       const VoxelIndex origin = c.block * kSide, r = VoxelIndex::Constant(reach_);
-      for_each_in(Grid::block_of(origin + c.lo - r), Grid::block_of(origin + c.hi + r),
-                  [&](const BlockIndex& b) {
-                    std::uint32_t slot = grid_.find_slot(b);
-                    if (slot == Grid::kNone && !options_.unknown_is_obstacle) slot = make(b);
-                    if (slot == Grid::kNone || stamp_[slot] == epoch_) return;
-                    stamp_[slot] = epoch_;
-                    dirty.push_back(slot);
-                  });
+      for_each_index(Grid::block_of(origin + c.lo - r), Grid::block_of(origin + c.hi + r),
+                     [&](const BlockIndex& b) {
+                       std::uint32_t slot = grid_.find_slot(b);
+                       if (slot == Grid::kNone && !options_.unknown_is_obstacle) slot = make(b);
+                       if (slot == Grid::kNone || stamp_[slot] == epoch_) return;
+                       stamp_[slot] = epoch_;
+                       dirty.push_back(slot);
+                     });
     }
     for (const std::uint32_t slot : dirty) scan_rows(slot);
     std::size_t changed = 0;
@@ -260,35 +260,38 @@ class FreeSpace {
   /// the bounds.
   double clearance(const Point3& p) const { return probe().slack(p) + options_.radius; }
 
+  /// Voxel centres where the body fits, at most `max_distance` away and the nearest first.
+  /// O(n log n) in the voxels within that distance.
+  std::vector<Point3> free_centers_near(const Point3& p, double max_distance) const {
+    const VoxelIndex middle = grid_.index_of(p);
+    const int n = static_cast<int>(std::ceil(max_distance / voxel_size())) + 1;
+    std::vector<std::pair<double, Point3>> near;
+    for_each_index(middle - VoxelIndex::Constant(n), middle + VoxelIndex::Constant(n),
+                   [&](const VoxelIndex& v) {
+                     if (!is_free_voxel(v)) return;
+                     const Point3 c = grid_.center(v);
+                     const double d = (c - p).norm();
+                     if (d <= max_distance) near.emplace_back(d, c);
+                   });
+    std::stable_sort(near.begin(), near.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<Point3> centers;
+    for (const auto& [distance, center] : near) centers.push_back(center);
+    return centers;
+  }
   /// The nearest voxel centre where the body fits, at most `max_distance` away, that can be reached
   /// straight without coming notably closer to an obstacle than at `p`: the way out for a robot
   /// that finds itself in what has since turned out to be no free place.
   std::optional<Point3> nearest_free(const Point3& p, double max_distance) const {
     if (!p.allFinite()) return std::nullopt;
-    const double h = voxel_size();
-    const VoxelIndex middle = grid_.index_of(p);
-    const int n = static_cast<int>(std::ceil(max_distance / h)) + 1;
-    struct Candidate {
-      double distance;
-      Point3 point;
-    };
-    std::vector<Candidate> candidates;
-    for_each_in(middle - VoxelIndex::Constant(n), middle + VoxelIndex::Constant(n),
-                [&](const VoxelIndex& v) {
-                  if (!is_free_voxel(v)) return;
-                  const Point3 c = grid_.center(v);
-                  const double d = (c - p).norm();
-                  if (d <= max_distance) candidates.push_back({d, c});
-                });
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const auto& a, const auto& b) { return a.distance < b.distance; });
     Probe read(*this);
-    const double floor = std::min(read.slack(p), 0.0) - 0.1 * h;
-    for (const Candidate& c : candidates) {
+    const double floor = std::min(read.slack(p), 0.0) - 0.1 * voxel_size();
+    for (const Point3& c : free_centers_near(p, max_distance)) {
+      const double distance = (c - p).norm();
       bool ok = true;
-      for (double t = step_; ok && t < c.distance; t += step_)
-        ok = read.slack(p + (c.point - p) * (t / c.distance)) >= floor;
-      if (ok) return c.point;
+      for (double t = step_; ok && t < distance; t += step_)
+        ok = read.slack(p + (c - p) * (t / distance)) >= floor;
+      if (ok) return c;
     }
     return std::nullopt;
   }
@@ -344,12 +347,6 @@ class FreeSpace {
   using RowBits = std::array<std::uint8_t, 64>;  // obstacles; row y + 8 z, bit x
   using Rows = std::array<std::int16_t, 512>;    // squared distance along x
 
-  template <typename Fn>
-  static void for_each_in(const VoxelIndex& lo, const VoxelIndex& hi, Fn&& fn) {
-    for (int z = lo.z(); z <= hi.z(); ++z)
-      for (int y = lo.y(); y <= hi.y(); ++y)
-        for (int x = lo.x(); x <= hi.x(); ++x) fn(VoxelIndex(x, y, z));
-  }
   std::size_t default_squared() const {
     return options_.unknown_is_obstacle ? 0 : static_cast<std::size_t>(reach_ * reach_);
   }

@@ -45,7 +45,7 @@ struct RoadmapArc {
 /// are neighbours. Edges are checked when a candidate path asks for them (Hauser 2015), and the
 /// answer is kept until the free space changes nearby. Where the samples fail although the voxel
 /// lattice is connected, the lattice's own path is taken and joins the roadmap: a query finds a
-/// path exactly when `ReachableSet` says there is one.
+/// path exactly when `reachable` says there is one.
 ///
 /// Repair after a map update is O(changed blocks). The same seed and the same history of updates
 /// and queries give the same paths. The free space must outlive the roadmap. Models
@@ -85,7 +85,7 @@ class LazyPrmStar {
     for (const std::uint32_t slot : changed) {
       const Box3 box = space_->influence(slot);
       const VoxelIndex lo = cells_.index_of(box.min()), hi = cells_.index_of(box.max());
-      for_each_cell(lo, hi, [&](const VoxelIndex& c) {
+      for_each_index(lo, hi, [&](const VoxelIndex& c) {
         Cell& cell = cells_.ensure(c);
         if (cell.stamp == epoch_) return;
         cell.stamp = epoch_;
@@ -96,54 +96,56 @@ class LazyPrmStar {
     const Eigen::Vector3d reach = Eigen::Vector3d::Constant(0.5 * radius_);
     const int rings = static_cast<int>(std::ceil(reach.x() / options_.spacing));
     for (const VoxelIndex& c : touched)
-      for_each_cell(c - VoxelIndex::Constant(rings), c + VoxelIndex::Constant(rings),
-                    [&](const VoxelIndex& n) {
-                      if (const Cell* cell = cells_.find(n); cell != nullptr)
-                        for (const std::int32_t id : cell->nodes) forget_blocked(id);
-                    });
+      for_each_index(c - VoxelIndex::Constant(rings), c + VoxelIndex::Constant(rings),
+                     [&](const VoxelIndex& n) {
+                       if (const Cell* cell = cells_.find(n); cell != nullptr)
+                         for (const std::int32_t id : cell->nodes) forget_blocked(id);
+                     });
+  }
+
+  /// What a robot at one place can reach; holds until the free space changes. Not for concurrent
+  /// use.
+  class Reach {
+   public:
+    /// The robot's place; beside what has turned out to be an obstacle, the way out of it.
+    const Point3& start() const { return start_; }
+    /// Whether a path exists; O(1).
+    bool operator()(const Point3& b) const { return gate(b) || is_visible(b); }
+
+   private:
+    friend class LazyPrmStar;
+    Reach(const ReachableSet& set, const Point3& start, double distance)
+        : set_(&set), start_(start), home_(set.component(start)), distance_(distance) {}
+    bool is_visible(const Point3& b) const { return set_->space().is_free_segment(start_, b); }
+    /// From where the lattice leads to `b`: the start, or what a straight line joins to it.
+    std::optional<Point3> gate(const Point3& b) const {
+      const auto component = set_->component(b);
+      if (!component) return std::nullopt;
+      if (component == home_) return start_;
+      if (!entrances_) entrances_ = set_->entrances(start_, distance_);
+      for (const ReachableSet::Entrance& e : *entrances_)
+        if (e.component == *component) return e.position;
+      return std::nullopt;
+    }
+    const ReachableSet* set_;
+    Point3 start_;
+    std::optional<std::int32_t> home_;
+    double distance_;
+    mutable std::optional<std::vector<ReachableSet::Entrance>> entrances_;  // when first needed
+  };
+  /// O(1), and O(voxels within `escape_distance`) when first asked for another component.
+  Reach reach_from(const Point3& a) {
+    update();
+    return {reachable_, space_->free_start(a, options_.escape_distance), options_.escape_distance};
   }
 
   /// A short free path from `a` to `b`; nothing if there is none. If `a` is not free, the path
-  /// starts by leaving for the nearest free place. O(log) to see that `b` is unreachable.
-  std::optional<Path> query(const Point3& a, const Point3& b) {
-    update();
-    std::vector<Point3> points;
-    Point3 start = a;
-    if (!space_->is_free(a)) {
-      const auto out = space_->nearest_free(a, options_.escape_distance);
-      if (!out) return std::nullopt;
-      points.push_back(a);
-      start = *out;
-    }
-    if (!space_->is_free(b)) return std::nullopt;
-    const auto visible = [this](const Point3& p, const Point3& q) {
-      return space_->is_free_segment(p, q);
-    };
-    Path path;
-    if (visible(start, b)) {
-      path = Path({start, b});
-    } else {
-      if (!reachable_.connected(start, b)) return std::nullopt;
-      auto rough = search(start, b);
-      if (rough.empty()) {
-        rough = lattice_path(start, b);
-        if (rough.empty()) return std::nullopt;
-        path = shortcut(std::move(rough), visible, options_.shortcut);
-        learn(path.points);
-      } else {
-        path = shortcut(std::move(rough), visible, options_.shortcut);
-      }
-    }
-    if (points.empty()) return path;
-    points.insert(points.end(), path.points.begin(), path.points.end());
-    return Path(std::move(points));
-  }
+  /// starts by leaving for the nearest free place; from a place too narrow for the voxel lattice,
+  /// straight for one that is not.
+  std::optional<Path> query(const Point3& a, const Point3& b) { return query(a, reach_from(a), b); }
 
-  /// Whether a path exists; O(1).
-  bool reachable(const Point3& a, const Point3& b) {
-    update();
-    return reachable_.connected(a, b) || space_->is_free_segment(a, b);
-  }
+  /// Whether a path exists.
+  bool reachable(const Point3& a, const Point3& b) { return reach_from(a)(b); }
 
   /// Path lengths from one place to many, infinite where there is none; one search for all of them.
   /// Exact where there is a line of sight, else along the roadmap, which is a few per cent longer
@@ -151,22 +153,17 @@ class LazyPrmStar {
   std::vector<double> distances(const Point3& from, std::span<const Point3> targets) {
     update();
     std::vector<double> result(targets.size(), std::numeric_limits<double>::infinity());
-    Point3 start = from;
-    double lead = 0.0;
-    if (!space_->is_free(from)) {
-      const auto out = space_->nearest_free(from, options_.escape_distance);
-      if (!out) return result;
-      start = *out;
-      lead = (start - from).norm();
-    }
-    const auto home = reachable_.component(start);
+    const Reach reach = reach_from(from);
+    const Point3& start = reach.start();
+    if (!space_->is_free(start)) return result;
+    const double lead = (start - from).norm();
     std::vector<std::size_t> open;
     std::vector<Attachment> gates(targets.size());
     for (std::size_t i = 0; i < targets.size(); ++i) {
       if (!space_->is_free(targets[i])) continue;
-      if (space_->is_free_segment(start, targets[i])) {
+      if (reach.is_visible(targets[i])) {
         result[i] = lead + (targets[i] - start).norm();
-      } else if (home && home == reachable_.component(targets[i])) {
+      } else if (reach.gate(targets[i]) == start) {
         gates[i] = attach(targets[i]);
         open.push_back(i);
       }
@@ -198,9 +195,8 @@ class LazyPrmStar {
       open = std::move(still);
     }
     for (std::size_t i = 0; i < targets.size(); ++i)
-      if (!std::isfinite(result[i]) && space_->is_free(targets[i]) && home &&
-          home == reachable_.component(targets[i]))
-        if (const auto path = query(start, targets[i])) result[i] = lead + path->length;
+      if (!std::isfinite(result[i]))
+        if (const auto path = query(start, reach, targets[i])) result[i] = lead + path->length;
     return result;
   }
 
@@ -228,17 +224,37 @@ class LazyPrmStar {
   using Attachment = std::vector<Source>;
   static constexpr double kBlocked = std::numeric_limits<double>::infinity();
 
-  static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-  template <typename Fn>
-  static void for_each_cell(const VoxelIndex& lo, const VoxelIndex& hi, Fn&& fn) {
-    for (int z = lo.z(); z <= hi.z(); ++z)
-      for (int y = lo.y(); y <= hi.y(); ++y)
-        for (int x = lo.x(); x <= hi.x(); ++x) fn(VoxelIndex(x, y, z));
+  /// `reach` is that from `a`, of now.
+  std::optional<Path> query(const Point3& a, const Reach& reach, const Point3& b) {
+    if (!space_->is_free(b)) return std::nullopt;
+    const auto visible = [this](const Point3& p, const Point3& q) {
+      return space_->is_free_segment(p, q);
+    };
+    const Point3& start = reach.start();
+    Path path;
+    if (visible(start, b)) {
+      path = Path({start, b});
+    } else {
+      const auto gate = reach.gate(b);
+      if (!gate) return std::nullopt;
+      auto rough = search(*gate, b);
+      const bool sampled = !rough.empty();
+      if (!sampled) rough = lattice_path(*gate, b);
+      if (rough.empty()) return std::nullopt;
+      if (*gate != start) rough.insert(rough.begin(), start);
+      path = shortcut(std::move(rough), visible, options_.shortcut);
+      if (!sampled) learn(path.points);
+    }
+    if (start == a) return path;
+    path.points.insert(path.points.begin(), a);
+    return Path(std::move(path.points));
   }
+
+  static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
   template <typename Fn>
   void for_each_near(const Point3& p, double radius, Fn&& fn) const {
     const Eigen::Vector3d r = Eigen::Vector3d::Constant(radius);
-    for_each_cell(cells_.index_of(p - r), cells_.index_of(p + r), [&](const VoxelIndex& c) {
+    for_each_index(cells_.index_of(p - r), cells_.index_of(p + r), [&](const VoxelIndex& c) {
       const Cell* cell = cells_.find(c);
       if (cell == nullptr) return;
       for (const std::int32_t id : cell->nodes) {
@@ -285,7 +301,7 @@ class LazyPrmStar {
     std::optional<Point3> best;
     std::size_t room = 0;
     using Grid = FreeSpace::Grid;
-    for_each_cell(Grid::block_of(lo), Grid::block_of(hi), [&](const BlockIndex& b) {
+    for_each_index(Grid::block_of(lo), Grid::block_of(hi), [&](const BlockIndex& b) {
       const std::uint32_t slot = grid.find_slot(b);
       if (slot == Grid::kNone) return;
       const auto& bits = space_->free_bits(slot);

@@ -57,6 +57,11 @@ class ReachableSet {
           unite(p.first + mine, parts_[face.slot].first + theirs);
     // A parent is never above its child, so in ascending order one hop reaches the root.
     for (auto& r : root_) r = root_[static_cast<std::size_t>(r)];
+    sizes_.assign(root_.size(), 0);
+    for (const Part& p : parts_)
+      for (std::int32_t local = 0; local < p.count; ++local)
+        sizes_[static_cast<std::size_t>(root_[static_cast<std::size_t>(p.first + local)])] +=
+            p.sizes[static_cast<std::size_t>(local)];
     return true;
   }
 
@@ -98,6 +103,32 @@ class ReachableSet {
     const auto ca = component(a);
     return ca && ca == component(b);
   }
+  /// A way into a component: its lattice place nearest to where it was asked from.
+  struct Entrance {
+    std::int32_t component;
+    Point3 position;
+  };
+  /// The larger components that a free straight line of at most `max_distance` joins to a free
+  /// position: the ways out of a place too narrow for the lattice. Nearest first.
+  /// O(voxels in reach).
+  std::vector<Entrance> entrances(const Point3& p, double max_distance) const {
+    std::vector<Entrance> found;
+    const auto own = component(p);
+    const std::size_t least = own ? size(*own) + 1 : 0;
+    const auto is_new = [&](std::int32_t other) {
+      return size(other) >= least && std::none_of(found.begin(), found.end(), [&](const auto& e) {
+               return e.component == other;
+             });
+    };
+    for (const Point3& c : space_->free_centers_near(p, max_distance))
+      if (const auto other = component(space_->grid().index_of(c)); other && is_new(*other))
+        if (space_->is_free_segment(p, c)) found.push_back({*other, c});
+    return found;
+  }
+  /// How many voxels a component has.
+  std::size_t size(std::int32_t component) const {
+    return sizes_[static_cast<std::size_t>(component)];
+  }
   const FreeSpace& space() const { return *space_; }
 
  private:
@@ -109,6 +140,7 @@ class ReachableSet {
     std::int32_t count = 0;             // components in the block
     std::int32_t first = 0;             // name of the block's first component
     std::vector<std::uint16_t> labels;  // empty: all free voxels are one component
+    std::vector<std::uint16_t> sizes;   // of the components [voxels]
     std::array<Face, 3> faces;
   };
 
@@ -129,6 +161,7 @@ class ReachableSet {
     }
     const auto& bits = space_->free_bits(slot);
     p.labels.clear();
+    p.sizes.clear();
     p.count = 0;
     bool any = false, all = true;
     for (const std::uint64_t w : bits) {
@@ -138,6 +171,7 @@ class ReachableSet {
     if (!any) return;
     if (all) {
       p.count = 1;
+      p.sizes = {FreeSpace::Grid::kBlockVoxels};
       return;
     }
     // Flood by layers of 8 × 8 bits: grow within the free bits until nothing moves.
@@ -171,6 +205,11 @@ class ReachableSet {
         pieces.push_back(piece);
       }
     p.count = static_cast<std::int32_t>(pieces.size());
+    for (const auto& piece : pieces) {
+      int voxels = 0;
+      for (const std::uint64_t w : piece) voxels += std::popcount(w);
+      p.sizes.push_back(static_cast<std::uint16_t>(voxels));
+    }
     if (p.count == 1) return;
     p.labels.assign(FreeSpace::Grid::kBlockVoxels, 0);
     for (std::size_t c = 0; c < pieces.size(); ++c)
@@ -219,6 +258,7 @@ class ReachableSet {
   const FreeSpace* space_;
   std::vector<Part> parts_;  // by slot
   std::vector<std::int32_t> root_;
+  std::vector<std::size_t> sizes_;  // by root [voxels]
   std::uint32_t known_ = 0;
   std::uint64_t cursor_ = 0;
 };
