@@ -72,20 +72,18 @@ inline void observe(TsdfMap& map, const Box3& region, const Plant& plant) {
   const double h = map.voxel_size();
   const BlockIndex lo = TsdfMap::block_of(map.index_of(region.min()));
   const BlockIndex hi = TsdfMap::block_of(map.index_of(region.max()));
-  for (int z = lo.z(); z <= hi.z(); ++z)
-    for (int y = lo.y(); y <= hi.y(); ++y)
-      for (int x = lo.x(); x <= hi.x(); ++x) {
-        const std::uint32_t slot = map.ensure_slot({x, y, z});
-        auto& block = map.block(slot);
-        for (std::size_t o = 0; o < TsdfMap::kBlockVoxels; ++o) {
-          const Point3 c = map.center(TsdfMap::index_in(block, o));
-          if (!region.contains(c)) continue;
-          const double d = plant(c);
-          if (d < -1.5 * h) continue;
-          block.voxels[o] = {static_cast<float>(std::min(d, 3.0 * h)), 1.0F};
-        }
-        map.mark_changed(slot);
-      }
+  for_each_index(lo, hi, [&](const VoxelIndex& b) {
+    const std::uint32_t slot = map.ensure_slot(b);
+    auto& block = map.block(slot);
+    for (std::size_t o = 0; o < TsdfMap::kBlockVoxels; ++o) {
+      const Point3 c = map.center(TsdfMap::index_in(block, o));
+      if (!region.contains(c)) continue;
+      const double d = plant(c);
+      if (d < -1.5 * h) continue;
+      block.voxels[o] = {static_cast<float>(std::min(d, 3.0 * h)), 1.0F};
+    }
+    map.mark_changed(slot);
+  });
 }
 inline Box3 bounds() { return Box3(Point3(-35, -23, 0), Point3(33, 22, 17)); }
 }  // namespace plant_map

@@ -17,12 +17,10 @@ struct Known {
   Known() {
     const MissionOptions o = box_world::options(world);
     const VoxelIndex low = map.index_of(o.bounds.min()), high = map.index_of(o.bounds.max());
-    for (int z = low.z(); z <= high.z(); ++z)
-      for (int y = low.y(); y <= high.y(); ++y)
-        for (int x = low.x(); x <= high.x(); ++x) {
-          const bool inside = box_world::box().contains(map.center({x, y, z}));
-          map.ensure({x, y, z}) = {inside ? -0.2F : 0.2F, 1.0F};
-        }
+    for_each_index(low, high, [&](const VoxelIndex& v) {
+      const bool inside = box_world::box().contains(map.center(v));
+      map.ensure(v) = {inside ? -0.2F : 0.2F, 1.0F};
+    });
     for (std::uint32_t s = 0; s < map.block_count(); ++s) map.mark_changed(s);
     for (std::size_t t = 0; t < world.mesh.triangles.size(); ++t) {
       const double area = world.mesh.area(t);

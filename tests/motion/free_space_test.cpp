@@ -17,14 +17,12 @@ double brute_distance(const FreeSpace& space, const Point3& p, double reach) {
   double best = reach;
   const VoxelIndex lo = space.grid().index_of(p - Point3::Constant(reach));
   const VoxelIndex hi = space.grid().index_of(p + Point3::Constant(reach));
-  for (int z = lo.z(); z <= hi.z(); ++z)
-    for (int y = lo.y(); y <= hi.y(); ++y)
-      for (int x = lo.x(); x <= hi.x(); ++x) {
-        const VoxelState s = space.map()(VoxelIndex(x, y, z));
-        if (s == VoxelState::occupied ||
-            (s == VoxelState::unknown && space.options().unknown_is_obstacle))
-          best = std::min(best, (space.grid().center({x, y, z}) - p).norm());
-      }
+  for_each_index(lo, hi, [&](const VoxelIndex& v) {
+    const VoxelState s = space.map()(v);
+    if (s == VoxelState::occupied ||
+        (s == VoxelState::unknown && space.options().unknown_is_obstacle))
+      best = std::min(best, (space.grid().center(v) - p).norm());
+  });
   return best;
 }
 

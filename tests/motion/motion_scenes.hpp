@@ -35,16 +35,13 @@ template <typename Field>
 void observe(TsdfMap& map, const Box3& known, const Field& field) {
   const VoxelIndex lo = map.index_of(known.min()), hi = map.index_of(known.max());
   std::vector<std::uint32_t> touched;
-  for (int z = lo.z(); z <= hi.z(); ++z)
-    for (int y = lo.y(); y <= hi.y(); ++y)
-      for (int x = lo.x(); x <= hi.x(); ++x) {
-        const VoxelIndex v(x, y, z);
-        const Point3 c = map.center(v);
-        if (!known.contains(c)) continue;
-        const std::uint32_t slot = map.ensure_slot(TsdfMap::block_of(v));
-        map.block(slot).voxels[TsdfMap::offset_of(v)] = {static_cast<float>(field(c)), 1.0F};
-        touched.push_back(slot);
-      }
+  for_each_index(lo, hi, [&](const VoxelIndex& v) {
+    const Point3 c = map.center(v);
+    if (!known.contains(c)) return;
+    const std::uint32_t slot = map.ensure_slot(TsdfMap::block_of(v));
+    map.block(slot).voxels[TsdfMap::offset_of(v)] = {static_cast<float>(field(c)), 1.0F};
+    touched.push_back(slot);
+  });
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (const std::uint32_t slot : touched) map.mark_changed(slot);

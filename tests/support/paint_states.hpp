@@ -19,8 +19,6 @@ inline void set_state(TsdfMap& map, const VoxelIndex& v, VoxelState s) {
 /// Gives every voxel of [low, high] the state that `fn(voxel)` says.
 template <typename Fn>
 void paint(TsdfMap& map, const VoxelIndex& low, const VoxelIndex& high, Fn&& fn) {
-  for (int z = low.z(); z <= high.z(); ++z)
-    for (int y = low.y(); y <= high.y(); ++y)
-      for (int x = low.x(); x <= high.x(); ++x) set_state(map, {x, y, z}, fn(VoxelIndex(x, y, z)));
+  for_each_index(low, high, [&](const VoxelIndex& v) { set_state(map, v, fn(v)); });
 }
 }  // namespace map_test

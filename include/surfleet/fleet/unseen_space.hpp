@@ -52,13 +52,10 @@ class UnseenSpace {
       const Eigen::Array3d first = (states.grid().block(slot).index * kBlock).cast<double>();
       const VoxelIndex lo = ((first - middle) / side_).ceil().cast<int>();
       const VoxelIndex hi = ((first + (kBlock - 1) - middle) / side_).floor().cast<int>();
-      for (int z = lo.z(); z <= hi.z(); ++z)
-        for (int y = lo.y(); y <= hi.y(); ++y)
-          for (int x = lo.x(); x <= hi.x(); ++x) {
-            const VoxelIndex cell(x, y, z);
-            examine(state, cell);
-            for (const VoxelIndex& d : kFaces) examine(state, cell + d);
-          }
+      for_each_index(lo, hi, [&](const VoxelIndex& cell) {
+        examine(state, cell);
+        for (const VoxelIndex& d : kFaces) examine(state, cell + d);
+      });
     }
     cursor_ = states.grid().revision();
     for (const VoxelKey& cell : border_) {

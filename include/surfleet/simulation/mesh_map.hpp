@@ -23,22 +23,20 @@ inline TsdfMap map_from_mesh(const Bvh& mesh, const Box3& bounds, double voxel_s
   require(count.prod() <= 1 << 24, "map of a mesh: expected larger voxels or a smaller box");
   const double half_diagonal = 0.5 * std::sqrt(3.0) * voxel_size;
   const double block_reach = half_diagonal * (TsdfMap::kBlockSide + 1);
-  for (int z = low.z(); z <= high.z(); ++z)
-    for (int y = low.y(); y <= high.y(); ++y)
-      for (int x = low.x(); x <= high.x(); ++x) {
-        const std::uint32_t slot = map.ensure_slot({x, y, z});
-        TsdfMap::Block& block = map.block(slot);
-        const Point3 center =
-            (block.origin().cast<double>() + Eigen::Vector3d::Constant(0.5 * TsdfMap::kBlockSide)) *
-            voxel_size;
-        const bool near = mesh.closest_point(center, block_reach).has_value();
-        for (std::size_t i = 0; i < TsdfMap::kBlockVoxels; ++i) {
-          const Point3 p = map.center(TsdfMap::index_in(block, i));
-          const bool touched = near && mesh.closest_point(p, half_diagonal).has_value();
-          block.voxels[i] = {static_cast<float>(touched ? -voxel_size : voxel_size), 1.0F};
-        }
-        map.mark_changed(slot);
-      }
+  for_each_index(low, high, [&](const VoxelIndex& b) {
+    const std::uint32_t slot = map.ensure_slot(b);
+    TsdfMap::Block& block = map.block(slot);
+    const Point3 center =
+        (block.origin().cast<double>() + Eigen::Vector3d::Constant(0.5 * TsdfMap::kBlockSide)) *
+        voxel_size;
+    const bool near = mesh.closest_point(center, block_reach).has_value();
+    for (std::size_t i = 0; i < TsdfMap::kBlockVoxels; ++i) {
+      const Point3 p = map.center(TsdfMap::index_in(block, i));
+      const bool touched = near && mesh.closest_point(p, half_diagonal).has_value();
+      block.voxels[i] = {static_cast<float>(touched ? -voxel_size : voxel_size), 1.0F};
+    }
+    map.mark_changed(slot);
+  });
   return map;
 }
 }  // namespace surfleet

@@ -76,10 +76,9 @@ class IncompleteSurfaceGain {
     if (extent.prod() > static_cast<double>(cells_.block_count())) {
       cells_.for_each_block([&](const auto& b) { look(b.index, b.voxels[0]); });
     } else {
-      for (int z = low.z(); z <= high.z(); ++z)
-        for (int y = low.y(); y <= high.y(); ++y)
-          for (int x = low.x(); x <= high.x(); ++x)
-            if (const auto* cell = cells_.find({x, y, z})) look({x, y, z}, *cell);
+      for_each_index(low, high, [&](const VoxelIndex& v) {
+        if (const auto* cell = cells_.find(v)) look(v, *cell);
+      });
     }
     std::sort(ids.begin(), ids.end());
     return ids;

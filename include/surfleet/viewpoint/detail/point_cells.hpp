@@ -24,16 +24,14 @@ class PointCells {
   void for_each_within(const Point3& p, double radius, Fn&& fn) const {
     const VoxelIndex low = cells_.index_of(p - Eigen::Vector3d::Constant(radius));
     const VoxelIndex high = cells_.index_of(p + Eigen::Vector3d::Constant(radius));
-    for (int z = low.z(); z <= high.z(); ++z)
-      for (int y = low.y(); y <= high.y(); ++y)
-        for (int x = low.x(); x <= high.x(); ++x) {
-          const auto* cell = cells_.find({x, y, z});
-          if (cell == nullptr) continue;
-          for (const auto& [q, id] : *cell) {
-            const double d2 = (q - p).squaredNorm();
-            if (d2 <= radius * radius) fn(id, d2);
-          }
-        }
+    for_each_index(low, high, [&](const VoxelIndex& v) {
+      const auto* cell = cells_.find(v);
+      if (cell == nullptr) return;
+      for (const auto& [q, id] : *cell) {
+        const double d2 = (q - p).squaredNorm();
+        if (d2 <= radius * radius) fn(id, d2);
+      }
+    });
   }
 
  private:
