@@ -132,17 +132,19 @@ TEST(worth_around_bounds_what_a_look_can_see) {
   CHECK(WorthAround({}, 1.0).largest() == 0.0 && WorthAround({}, 1.0)({0, 0, 0}) == 0.0);
 }
 
+/// Pillars on a floor, and unknown space among them that ends what is known.
+VoxelState among_pillars(const VoxelIndex& v) {
+  const bool pillar = (v.x() & 15) < 4 && (v.y() & 15) < 4 && v.z() < 9;
+  return v.z() == 0 || pillar                 ? VoxelState::occupied
+         : (v.x() + 40) % 23 < 3 && v.z() < 6 ? VoxelState::unknown
+                                              : VoxelState::empty;
+}
+
 TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
   constexpr double kVoxel = 0.3;
   TsdfMap map({.voxel_size = kVoxel});
   Random random(6);
-  // Pillars on a floor, and unknown space among them that ends what is known.
-  map_test::paint(map, {-36, -36, 0}, {36, 36, 13}, [](const VoxelIndex& v) {
-    const bool pillar = (v.x() & 15) < 4 && (v.y() & 15) < 4 && v.z() < 9;
-    return v.z() == 0 || pillar                 ? VoxelState::occupied
-           : (v.x() + 40) % 23 < 3 && v.z() < 6 ? VoxelState::unknown
-                                                : VoxelState::empty;
-  });
+  map_test::paint(map, {-36, -36, 0}, {36, 36, 13}, among_pillars);
   VoxelStateMap states(map);
   FreeSpace free(states, {.radius = 0.4, .margin = 0.3});
   IncompleteSurface incomplete;
@@ -221,12 +223,9 @@ TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
 TEST(nobody_is_sent_where_he_cannot_get) {
   constexpr double kVoxel = 0.3;
   TsdfMap map({.voxel_size = kVoxel});
-  // Two rooms with pillars and unknown space, and between them a wall without a door.
+  // Two rooms, and between them a wall without a door.
   map_test::paint(map, {-36, -24, 0}, {36, 24, 13}, [](const VoxelIndex& v) {
-    const bool pillar = (v.x() & 15) < 4 && (v.y() & 15) < 4 && v.z() < 9;
-    return v.z() == 0 || pillar || std::abs(v.x() - 3) < 2 ? VoxelState::occupied
-           : (v.x() + 40) % 23 < 3 && v.z() < 6            ? VoxelState::unknown
-                                                           : VoxelState::empty;
+    return std::abs(v.x() - 3) < 2 ? VoxelState::occupied : among_pillars(v);
   });
   const VoxelStateMap states(map);
   const FreeSpace free(states, {.radius = 0.4, .margin = 0.3});

@@ -53,9 +53,7 @@ struct MergeNearby {
   MergeOptions merge;  ///< ε and "almost parallel".
   std::vector<Viewpoint> operator()(const ViewSelection& s) const {
     const auto is_free = [&](const Configuration& q) {
-      return s.request.free_space.is_free(q.position) &&
-             std::any_of(s.reach.begin(), s.reach.end(),
-                         [&](const auto& r) { return r(q.position); });
+      return s.request.free_space.is_free(q.position) && any_reaches(s.reach, q.position);
     };
     return merge_viewpoints(s.views, merge,
                             SeesTargets{s.elements, &s.request.observed, s.frustum, is_free});
@@ -146,7 +144,7 @@ class TourPlanner {
     std::vector<LazyPrmStar::Reach> reach;
     for (const Configuration& s : starts) reach.push_back(request.roadmap.reach_from(s.position));
     const auto is_reachable = [&](const Configuration& q) {
-      return std::any_of(reach.begin(), reach.end(), [&](const auto& r) { return r(q.position); });
+      return any_reaches(reach, q.position);
     };
     const auto promises = [&](const IncompleteElement& e, const Eigen::Vector3d& direction) {
       return request.ledger.promises(e.voxel, direction);

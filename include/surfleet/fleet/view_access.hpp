@@ -17,6 +17,11 @@
 #include <surfleet/viewpoint/viewpoint_clustering.hpp>
 
 namespace surfleet {
+/// Whether any of some robots can reach a place.
+inline bool any_reaches(std::span<const LazyPrmStar::Reach> reach, const Point3& p) {
+  return std::any_of(reach.begin(), reach.end(), [&](const auto& r) { return r(p); });
+}
+
 /// Viewpoints by the robots that can reach them: mostly one group, as free space is mostly one.
 class ViewAccess {
  public:

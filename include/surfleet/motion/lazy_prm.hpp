@@ -151,7 +151,6 @@ class LazyPrmStar {
   /// Exact where there is a line of sight, else along the roadmap, which is a few per cent longer
   /// than the path `query` returns [m].
   std::vector<double> distances(const Point3& from, std::span<const Point3> targets) {
-    update();
     std::vector<double> result(targets.size(), std::numeric_limits<double>::infinity());
     const Reach reach = reach_from(from);
     const Point3& start = reach.start();
@@ -195,7 +194,7 @@ class LazyPrmStar {
       open = std::move(still);
     }
     for (std::size_t i = 0; i < targets.size(); ++i)
-      if (!std::isfinite(result[i]))
+      if (!std::isfinite(result[i]) && reach.gate(targets[i]))
         if (const auto path = query(start, reach, targets[i])) result[i] = lead + path->length;
     return result;
   }

@@ -47,7 +47,7 @@ class ReachableSet {
     std::int32_t next = 0;
     for (Part& p : parts_) {
       p.first = next;
-      next += p.count;
+      next += p.count();
     }
     root_.resize(static_cast<std::size_t>(next));
     std::iota(root_.begin(), root_.end(), 0);
@@ -59,7 +59,7 @@ class ReachableSet {
     for (auto& r : root_) r = root_[static_cast<std::size_t>(r)];
     sizes_.assign(root_.size(), 0);
     for (const Part& p : parts_)
-      for (std::int32_t local = 0; local < p.count; ++local)
+      for (std::int32_t local = 0; local < p.count(); ++local)
         sizes_[static_cast<std::size_t>(root_[static_cast<std::size_t>(p.first + local)])] +=
             p.sizes[static_cast<std::size_t>(local)];
     return true;
@@ -71,7 +71,7 @@ class ReachableSet {
     if (slot >= parts_.size()) return std::nullopt;
     const auto offset = FreeSpace::Grid::offset_of(v);
     const Part& p = parts_[slot];
-    if (p.count == 0 || !space_->is_free_in(slot, offset)) return std::nullopt;
+    if (p.sizes.empty() || !space_->is_free_in(slot, offset)) return std::nullopt;
     const std::int32_t local = p.labels.empty() ? 0 : p.labels[offset];
     return root_[static_cast<std::size_t>(p.first + local)];
   }
@@ -137,11 +137,11 @@ class ReachableSet {
     std::vector<std::pair<std::uint16_t, std::uint16_t>> links;  // labels here and there
   };
   struct Part {
-    std::int32_t count = 0;             // components in the block
     std::int32_t first = 0;             // name of the block's first component
     std::vector<std::uint16_t> labels;  // empty: all free voxels are one component
     std::vector<std::uint16_t> sizes;   // of the components [voxels]
     std::array<Face, 3> faces;
+    std::int32_t count() const { return static_cast<std::int32_t>(sizes.size()); }
   };
 
   static VoxelIndex corner(int k) { return {k & 1, (k >> 1) & 1, k >> 2}; }
@@ -162,7 +162,6 @@ class ReachableSet {
     const auto& bits = space_->free_bits(slot);
     p.labels.clear();
     p.sizes.clear();
-    p.count = 0;
     bool any = false, all = true;
     for (const std::uint64_t w : bits) {
       any = any || w != 0;
@@ -170,7 +169,6 @@ class ReachableSet {
     }
     if (!any) return;
     if (all) {
-      p.count = 1;
       p.sizes = {FreeSpace::Grid::kBlockVoxels};
       return;
     }
@@ -204,13 +202,12 @@ class ReachableSet {
         for (std::size_t k = 0; k < 8; ++k) left[k] &= ~piece[k];
         pieces.push_back(piece);
       }
-    p.count = static_cast<std::int32_t>(pieces.size());
     for (const auto& piece : pieces) {
       int voxels = 0;
       for (const std::uint64_t w : piece) voxels += std::popcount(w);
       p.sizes.push_back(static_cast<std::uint16_t>(voxels));
     }
-    if (p.count == 1) return;
+    if (p.count() == 1) return;
     p.labels.assign(FreeSpace::Grid::kBlockVoxels, 0);
     for (std::size_t c = 0; c < pieces.size(); ++c)
       for (std::size_t k = 0; k < 8; ++k)
@@ -225,9 +222,9 @@ class ReachableSet {
     Face& face = p.faces[static_cast<std::size_t>(axis)];
     face.links.clear();
     face.slot = grid.find_slot(grid.block(slot).index + unit(axis));
-    if (p.count == 0 || face.slot == FreeSpace::Grid::kNone) return;
+    if (p.sizes.empty() || face.slot == FreeSpace::Grid::kNone) return;
     const Part& q = parts_[face.slot];
-    if (q.count == 0) return;
+    if (q.sizes.empty()) return;
     const std::size_t step = std::size_t{1} << (3 * axis);
     for (std::size_t o = 0; o < FreeSpace::Grid::kBlockVoxels; ++o) {
       if ((o / step) % 8 != 0) continue;
