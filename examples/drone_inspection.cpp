@@ -25,16 +25,16 @@ struct Arguments {
 };
 
 Arguments arguments(int argc, char** argv) {
-  CLI::App app{
+  cli::Options app(
       "One drone or a fleet reconstructs a structure it does not know.\n"
       "Writes metrics.json, reconstruction.ply, trajectory_K.tum, map.sfm and report.html "
-      "to --out.\nExit status: 0 done, 2 input refused, 3 ended early."};
+      "to --out.\nExit status: 0 done, 2 input refused, 3 ended early.");
   Arguments a;
   InspectionOptions options(app);
-  app.add_option("--out", a.out, "folder for the results")->capture_default_str();
+  app.add("--out", a.out, "folder for the results");
   app.add_flag("--quiet", a.quiet, "no progress line");
-  app.set_config("--config", "", "settings from a TOML file: option names without dashes");
-  cli::parse(app, argc, argv);
+  app.add_config_file();
+  app.parse(argc, argv);
   a.settings = options.settle();
   return a;
 }

@@ -41,22 +41,20 @@ std::string at_milestones(const std::array<std::vector<double>, kMilestones.size
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{
+  cli::Options app(
       "Runs an inspection for every planner, fleet size and seed, and prints mean and "
-      "standard deviation.\nWrites trials.json and report.html to --out."};
+      "standard deviation.\nWrites trials.json and report.html to --out.");
   InspectionOptions options(app);
   std::string out = "out/trials";
   std::vector<std::string> planners{"surfleet", "tsga", "nnb"};
   std::vector<int> fleets{1, 3, 5};
   int trials = 3;
-  app.add_option("--out", out, "folder for the results")->capture_default_str();
-  app.add_option("--planners", planners, "comma-separated")->delimiter(',')->capture_default_str();
-  app.add_option("--fleets", fleets, "comma-separated numbers of drones")
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_option("--trials", trials, "seeds from --seed on")->capture_default_str();
-  app.set_config("--config", "", "settings from a TOML file: option names without dashes");
-  cli::parse(app, argc, argv);
+  app.add("--out", out, "folder for the results");
+  app.add("--planners", planners, "comma-separated").separated_by(',');
+  app.add("--fleets", fleets, "comma-separated numbers of drones").separated_by(',');
+  app.add("--trials", trials, "seeds from --seed on");
+  app.add_config_file();
+  app.parse(argc, argv);
   InspectionSettings base = options.settle();
   require(trials >= 1 && trials <= 1000, "--trials: expected 1 to 1000");
   for (const int n : fleets) require(n >= 1 && n <= 64, "--fleets: expected numbers of 1 to 64");

@@ -132,40 +132,31 @@ Plot coverage_curve(std::vector<double> distance, double e_max) {
 }
 
 int evaluate_files(int argc, char** argv) {
-  CLI::App app{
+  cli::Options app(
       "Measures a reconstruction against a reference: surface coverage at e_max, M3C2 mean, "
       "standard deviation and RMSE, and distances both ways.\nMeshes: .ply .obj .stl .off; "
-      "clouds: .ply .xyz. Lengths in metres."};
+      "clouds: .ply .xyz. Lengths in metres.");
   std::string reference_path, reconstruction_path, out;
   std::vector<double> crop;
   double max_core_points = 200000;
   EvaluationOptions options;
-  app.add_option("REFERENCE", reference_path, "True surface, mesh or cloud")->required();
-  app.add_option("RECONSTRUCTION", reconstruction_path, "Mesh or cloud to judge")->required();
-  app.add_option("--emax", options.e_max,
-                 "A reference point is covered by surface this near [m]; half a voxel's diagonal")
-      ->capture_default_str();
-  app.add_option("--density", options.density,
-                 "Points per square metre sampled on meshes; 0: about 8 in an M3C2 cylinder")
-      ->capture_default_str();
-  app.add_option("--points", max_core_points, "Reference points judged, at most about")
-      ->capture_default_str();
-  app.add_option("--crop", crop, "Judge only this box: x0 y0 z0 x1 y1 z1 [m]")->expected(6);
-  app.add_option("--normal-scale", options.normal_scale,
-                 "M3C2 D [m]: normals of a cloud are fitted to this ball; 0: twice d")
-      ->capture_default_str();
-  app.add_option("--projection-scale", options.projection_scale,
-                 "M3C2 d [m]: diameter of the cylinder; 0: 2/sqrt(3) e_max, a voxel")
-      ->capture_default_str();
-  app.add_option("--max-depth", options.max_depth,
-                 "M3C2 cylinder to either side [m]; 0: twice e_max")
-      ->capture_default_str();
-  app.add_option("--seed", options.seed, "Seed of the sampling")->capture_default_str();
-  app.add_option("--threads", options.threads, "Threads; results do not depend on it")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 256));
-  app.add_option("--out", out, "Folder for metrics.json, report.html and error.ply");
-  cli::parse(app, argc, argv);
+  app.add("REFERENCE", reference_path, "True surface, mesh or cloud").required();
+  app.add("RECONSTRUCTION", reconstruction_path, "Mesh or cloud to judge").required();
+  app.add("--emax", options.e_max,
+          "A reference point is covered by surface this near [m]; half a voxel's diagonal");
+  app.add("--density", options.density,
+          "Points per square metre sampled on meshes; 0: about 8 in an M3C2 cylinder");
+  app.add("--points", max_core_points, "Reference points judged, at most about");
+  app.add("--crop", crop, "Judge only this box: x0 y0 z0 x1 y1 z1 [m]").expected(6);
+  app.add("--normal-scale", options.normal_scale,
+          "M3C2 D [m]: normals of a cloud are fitted to this ball; 0: twice d");
+  app.add("--projection-scale", options.projection_scale,
+          "M3C2 d [m]: diameter of the cylinder; 0: 2/sqrt(3) e_max, a voxel");
+  app.add("--max-depth", options.max_depth, "M3C2 cylinder to either side [m]; 0: twice e_max");
+  app.add("--seed", options.seed, "Seed of the sampling");
+  app.add("--threads", options.threads, "Threads; results do not depend on it").within(1, 256);
+  app.add("--out", out, "Folder for metrics.json, report.html and error.ply");
+  app.parse(argc, argv);
 
   const auto positive = [](double v) { return v > 0.0 && std::isfinite(v); };
   const auto positive_or_zero = [&](double v) { return v == 0.0 || positive(v); };

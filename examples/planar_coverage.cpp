@@ -294,68 +294,43 @@ void run_hybrid(const Settings& s, const PlanarEnvironment& world, const std::ve
 
 int run(int argc, char** argv) {
   Settings s;
-  CLI::App app{
+  cli::Options app(
       "Covers a polygon with robots and writes metrics.json, picture.svg and report.html.\n"
       "Modes: lloyd (convex scenes), nonconvex (virtual and real robots, path planning), gradient "
       "(along "
       "the walls), geodesic (shortest-path distance), discoverage (unknown ground), hybrid1 "
       "(flocking and "
       "sweeping), hybrid2 (robotic band), hybrid3 (Voronoi regions, then sweeps), random "
-      "(baseline)."};
+      "(baseline).");
   std::string names;
   for (const std::string& n : planar_environment_names()) names += " " + n;
-  app.add_option("--scene", s.scene,
-                 "Bundled scene or JSON file with outer, holes, start. Bundled:" + names)
-      ->capture_default_str();
-  app.add_option("--mode", s.mode, "What to do")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"lloyd", "nonconvex", "gradient", "geodesic", "discoverage", "hybrid1",
-                             "hybrid2", "hybrid3", "random"}));
-  app.add_option("--robots", s.robots, "Number of robots")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 10000));
-  app.add_option("--seed", s.seed, "Seed of everything random")->capture_default_str();
-  app.add_option("--out", s.out, "Output folder")->capture_default_str();
-  app.add_option("--placement", s.placement, "Robots start in a group or at random places")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"group", "random"}));
-  app.add_option("--spacing", s.spacing, "Between robots of a group [m]")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  app.add_option("--positions", s.positions, "Start positions x y x y ... [m]; overrides --robots");
-  app.add_option("--planner", s.planner, "Of mode nonconvex")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"tangentbug", "shortest"}));
-  app.add_option("--range", s.range,
-                 "Of the sensors [m]; 0: unlimited (a sixth of the scene for discoverage)")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--speed", s.speed, "Of the robots [m/s]")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  app.add_option("--dt", s.dt, "Time step [s]")->capture_default_str()->check(CLI::PositiveNumber);
-  app.add_option("--footprint", s.footprint, "Radius of the footprint [m]")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  app.add_option("--lane", s.lane, "Between passes [m]; 0: 0.99 of the footprint's width")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--sweep", s.sweep, "Of hybrid3")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"back_and_forth", "spiral"}));
-  app.add_option("--cell", s.cell, "Of grids [m]; 0: by the size of the scene or footprint")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--defects", s.defects, "Cracks to be found in the hybrid modes")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 10000));
-  app.add_option("--max-time", s.max_time, "Stop after this much simulated time [s]")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  app.add_option("--threads", s.threads, "Threads")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 256));
-  cli::parse(app, argc, argv);
+  app.add("--scene", s.scene,
+          "Bundled scene or JSON file with outer, holes, start. Bundled:" + names);
+  app.add("--mode", s.mode, "What to do")
+      .one_of({"lloyd", "nonconvex", "gradient", "geodesic", "discoverage", "hybrid1", "hybrid2",
+               "hybrid3", "random"});
+  app.add("--robots", s.robots, "Number of robots").within(1, 10000);
+  app.add("--seed", s.seed, "Seed of everything random");
+  app.add("--out", s.out, "Output folder");
+  app.add("--placement", s.placement, "Robots start in a group or at random places")
+      .one_of({"group", "random"});
+  app.add("--spacing", s.spacing, "Between robots of a group [m]").positive();
+  app.add("--positions", s.positions, "Start positions x y x y ... [m]; overrides --robots");
+  app.add("--planner", s.planner, "Of mode nonconvex").one_of({"tangentbug", "shortest"});
+  app.add("--range", s.range,
+          "Of the sensors [m]; 0: unlimited (a sixth of the scene for discoverage)")
+      .zero_or_more();
+  app.add("--speed", s.speed, "Of the robots [m/s]").positive();
+  app.add("--dt", s.dt, "Time step [s]").positive();
+  app.add("--footprint", s.footprint, "Radius of the footprint [m]").positive();
+  app.add("--lane", s.lane, "Between passes [m]; 0: 0.99 of the footprint's width").zero_or_more();
+  app.add("--sweep", s.sweep, "Of hybrid3").one_of({"back_and_forth", "spiral"});
+  app.add("--cell", s.cell, "Of grids [m]; 0: by the size of the scene or footprint")
+      .zero_or_more();
+  app.add("--defects", s.defects, "Cracks to be found in the hybrid modes").within(0, 10000);
+  app.add("--max-time", s.max_time, "Stop after this much simulated time [s]").positive();
+  app.add("--threads", s.threads, "Threads").within(1, 256);
+  app.parse(argc, argv);
 
   const auto began = std::chrono::steady_clock::now();
   const bool from_file = s.scene.size() > 5 && s.scene.ends_with(".json");

@@ -48,49 +48,43 @@ struct Settings {
 
 Settings settings(int argc, char** argv) {
   Settings s;
-  CLI::App app{
+  cli::Options app(
       "A group of robots divides a curved surface among themselves, and each sweeps its part.\n"
       "Writes metrics.json, regions.ply, sweep_regions.ply, sweep_K.tum, pictures and report.html "
-      "to --out.\nExit status: 0 done, 2 input refused, 3 ended early."};
-  app.add_option("--scene", s.scene,
-                 "bumpy_slope, bumpy_slope_hole, sphere, torus, steam_chest, or a mesh file "
-                 "(.ply .obj .stl .off)")
-      ->capture_default_str();
-  app.add_option("--edge", s.edge, "edge length of a bundled scene [m]; 0: its own default");
-  app.add_option("--robots", s.robots, "how many")->capture_default_str();
-  app.add_option("--starts", s.starts, "where they start: X Y Z for each [m]; else at random");
-  app.add_option("--seed", s.seed, "of the random starts and of the coordinator")
-      ->capture_default_str();
-  app.add_option("--coordinator", s.coordinator, "wavefront, exchange or substitution")
-      ->check(CLI::IsMember({"wavefront", "exchange", "substitution"}))
-      ->capture_default_str();
-  app.add_option("--distance", s.distance, "along edges, or straight across faces")
-      ->check(CLI::IsMember({"edges", "faces"}))
-      ->capture_default_str();
-  app.add_option("--field", s.field,
-                 "where and how regions stretch: uniform, curvature, principal, x, y or z")
-      ->check(CLI::IsMember({"uniform", "curvature", "principal", "x", "y", "z"}))
-      ->capture_default_str();
-  app.add_option("--ratio", s.ratio, "by how much regions stretch in a directional field")
-      ->capture_default_str();
-  app.add_option("--rounds", s.rounds, "k_R of the vertex exchange")->capture_default_str();
+      "to --out.\nExit status: 0 done, 2 input refused, 3 ended early.");
+  app.add("--scene", s.scene,
+          "bumpy_slope, bumpy_slope_hole, sphere, torus, steam_chest, or a mesh file "
+          "(.ply .obj .stl .off)");
+  app.add("--edge", s.edge, "edge length of a bundled scene [m]; 0: its own default");
+  app.add("--robots", s.robots, "how many");
+  app.add("--starts", s.starts, "where they start: X Y Z for each [m]; else at random");
+  app.add("--seed", s.seed, "of the random starts and of the coordinator");
+  app.add("--coordinator", s.coordinator, "wavefront, exchange or substitution")
+      .one_of({"wavefront", "exchange", "substitution"});
+  app.add("--distance", s.distance, "along edges, or straight across faces")
+      .one_of({"edges", "faces"});
+  app.add("--field", s.field,
+          "where and how regions stretch: uniform, curvature, principal, x, y or z")
+      .one_of({"uniform", "curvature", "principal", "x", "y", "z"});
+  app.add("--ratio", s.ratio, "by how much regions stretch in a directional field");
+  app.add("--rounds", s.rounds, "k_R of the vertex exchange");
   app.add_flag("--async", s.asynchronous, "one robot at a time, in a random order");
-  app.add_option("--sensing", s.sensing, "sensing range on an unknown surface [m]; 0: it is known");
-  app.add_option("--communication", s.communication, "communication range [m]; 0: unlimited");
+  app.add("--sensing", s.sensing, "sensing range on an unknown surface [m]; 0: it is known");
+  app.add("--communication", s.communication, "communication range [m]; 0: unlimited");
   app.add_flag("--sweep,!--no-sweep", s.sweep, "one covering path per robot after the deployment");
   app.add_flag("--balance,!--no-balance", s.balance, "even out the work before the sweep");
-  app.add_option("--sweep-range", s.sweep_range,
-                 "path a robot can sweep before it must deploy anew [m]; 0: unlimited");
-  app.add_option("--events", s.events,
-                 "with --sweep-range: fail:ITERATION:ROBOT or join:ITERATION:TRIANGLE");
-  app.add_option("--footprint", s.footprint, "width a robot covers [m]; 0: that of the mesh");
-  app.add_option("--speed", s.speed, "of the robots [m/s]")->capture_default_str();
-  app.add_option("--max-steps", s.max_steps, "of the deployment")->capture_default_str();
+  app.add("--sweep-range", s.sweep_range,
+          "path a robot can sweep before it must deploy anew [m]; 0: unlimited");
+  app.add("--events", s.events,
+          "with --sweep-range: fail:ITERATION:ROBOT or join:ITERATION:TRIANGLE");
+  app.add("--footprint", s.footprint, "width a robot covers [m]; 0: that of the mesh");
+  app.add("--speed", s.speed, "of the robots [m/s]");
+  app.add("--max-steps", s.max_steps, "of the deployment");
   app.add_flag("--largest-component", s.largest, "leave out all but the largest connected part");
-  app.add_option("--out", s.out, "folder for the results")->capture_default_str();
+  app.add("--out", s.out, "folder for the results");
   app.add_flag("--quiet", s.quiet, "no progress line");
-  app.set_config("--config", "", "settings from a TOML file: option names without dashes");
-  cli::parse(app, argc, argv);
+  app.add_config_file();
+  app.parse(argc, argv);
   require(s.robots >= 1, "--robots: expected 1 or more");
   require(s.rounds >= 1, "--rounds: expected 1 or more");
   require(s.max_steps >= 1, "--max-steps: expected 1 or more");

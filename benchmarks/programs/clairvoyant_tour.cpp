@@ -22,17 +22,17 @@ using namespace surfleet;
 using namespace surfleet::examples;
 
 int run(int argc, char** argv) {
-  CLI::App app{"The coverage tour of a known scene: a yardstick for planners that do not know it."};
+  cli::Options app(
+      "The coverage tour of a known scene: a yardstick for planners that do not know it.");
   InspectionOptions options(app);
   std::vector<double> coverages{0.9, 0.95};
   CoverageTourOptions tour_options;
   double density = 2.0;
-  app.add_option("--coverage", coverages, "shares to be seen")->capture_default_str();
-  app.add_option("--spacing", tour_options.spacing, "lattice of candidates [m]")
-      ->capture_default_str();
-  app.add_option("--stop-cost", tour_options.stop_cost, "[m]")->capture_default_str();
-  app.add_option("--density", density, "samples per square metre")->capture_default_str();
-  cli::parse(app, argc, argv);
+  app.add("--coverage", coverages, "shares to be seen");
+  app.add("--spacing", tour_options.spacing, "lattice of candidates [m]");
+  app.add("--stop-cost", tour_options.stop_cost, "[m]");
+  app.add("--density", density, "samples per square metre");
+  app.parse(argc, argv);
   InspectionSettings s = options.settle();
   s.robots = 1;
   InspectionSite site(open_scene(s), s);

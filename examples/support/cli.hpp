@@ -5,10 +5,10 @@
 /// @code
 /// int main(int argc, char** argv) {
 ///   return surfleet::cli::run("my_tool", [&] {
-///     CLI::App app{"Does this and that."};
+///     surfleet::cli::Options options("Does this and that.");
 ///     std::string out = "out";
-///     app.add_option("--out", out, "Output folder")->capture_default_str();
-///     surfleet::cli::parse(app, argc, argv);            // --help ends here with status 0
+///     options.add("--out", out, "output folder");
+///     options.parse(argc, argv);                        // --help ends here with status 0
 ///     const auto folder = surfleet::cli::prepare_output_folder(out);
 ///     ...
 ///     return surfleet::cli::interrupted() ? surfleet::cli::kIncomplete : surfleet::cli::kDone;
@@ -19,23 +19,30 @@
 
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
+#include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/types.hpp>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace surfleet::cli {
 constexpr int kDone = 0;        ///< The job is done.
@@ -61,19 +68,56 @@ inline std::string one_line(const std::string& text) {
   return line;
 }
 
-/// Parses the command line. Help and version are printed and leave `run` with status 0; a wrong
-/// option is an `Error`.
-inline void parse(CLI::App& app, int argc, const char* const* argv) {
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& e) {
-    app.exit(e, std::cout, std::cerr);
-    std::cout.flush();
-    throw Exit{kDone};
-  } catch (const CLI::ParseError& e) {
-    throw Error(std::string(e.what()) + " (--help lists the options)");
+/// A declared option, to say more of it. Wrong values are refused while parsing.
+class Option {
+ public:
+  explicit Option(CLI::Option& option) : option_(&option) {}
+  Option& required();
+  /// So many values, no more and no less.
+  Option& expected(int count);
+  Option& one_of(const std::vector<std::string>& words);
+  Option& within(double least, double most);
+  Option& positive();
+  Option& zero_or_more();
+  /// A list in one word, as in a,b,c.
+  Option& separated_by(char mark);
+
+ private:
+  CLI::Option* option_;
+};
+
+/// The options of a program. The parser behind it is compiled once, in cli.cpp.
+class Options {
+ public:
+  /// What an option can set.
+  using Variable = std::variant<std::string*, int*, std::int64_t*, std::uint64_t*, double*,
+                                std::optional<int>*, std::optional<double>*,
+                                std::vector<std::string>*, std::vector<int>*, std::vector<double>*>;
+
+  explicit Options(const std::string& description);
+  ~Options();
+  Options(const Options&) = delete;
+  Options& operator=(const Options&) = delete;
+
+  /// Declares an option, or without leading dashes an argument by its place. `variable` must stay
+  /// where it is until parsed; what it holds is the default, and shown as such if not empty.
+  template <typename T>
+  Option add(const std::string& name, T& variable, const std::string& help) {
+    return declare(name, Variable(&variable), help);
   }
-}
+  /// "--name", or "--name,!--no-name" for one that can be taken back.
+  void add_flag(const std::string& names, bool& variable, const std::string& help);
+  /// --config FILE sets what the command line leaves.
+  void add_config_file();
+  /// Help is printed and leaves `run` with status 0; a wrong option is an `Error`.
+  void parse(int argc, const char* const* argv);
+  /// Whether the command line or the file gave this option.
+  bool was_given(const std::string& name) const;
+
+ private:
+  Option declare(const std::string& name, const Variable& variable, const std::string& help);
+  std::unique_ptr<CLI::App> app_;
+};
 
 /// Runs a program's body and turns what it throws into one line on stderr and an exit status.
 template <typename Body>
@@ -88,8 +132,6 @@ int run(const char* program, Body&& body) {
   } catch (const Exit& e) {
     return e.status;
   } catch (const Error& e) {
-    return refuse(e.what(), kRefused);
-  } catch (const CLI::Error& e) {
     return refuse(e.what(), kRefused);
   } catch (const std::filesystem::filesystem_error& e) {
     return refuse(e.what(), kRefused);

@@ -2,15 +2,14 @@
 /// @file  Settings of a drone inspection and the options that set them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
+#include "support/cli.hpp"
 #include "support/planner_names.hpp"
 
 #include <surfleet/core/error.hpp>
@@ -71,36 +70,36 @@ class InspectionOptions {
  public:
   InspectionSettings settings;
 
-  explicit InspectionOptions(CLI::App& app) {
-    add(app, "--scene", settings.scene,
-        "powerplant, statue, house, or a mesh file (.ply .obj .stl .off) [m]");
-    add(app, "--preset", settings.preset, "powerplant or statue: the published parameters");
-    add(app, "--planner", settings.planner, "one of " + planner_list());
-    add(app, "--architecture", settings.architecture, "single or centralized");
-    add(app, "--robots", settings.robots, "number of drones");
-    add(app, "--seed", settings.seed, "of noise and roadmap");
-    add(app, "--voxel", settings.voxel, "edge of a voxel [m]");
-    add(app, "--range", settings.range, "nearest and farthest depth [m]")->expected(2);
-    add(app, "--fov", settings.fov, "horizontal and vertical field of view [deg]")->expected(2);
-    add(app, "--image-width", settings.image_width, "columns of the depth image [px]");
-    add(app, "--rate", settings.rate, "images a second");
-    add(app, "--standoff", settings.standoff, "delta_pose, distance of a view [m]");
-    add(app, "--speed", settings.speed, "nominal speed [m/s]");
-    add(app, "--radius", settings.radius, "of a drone's body [m]");
-    add(app, "--margin", settings.margin, "kept beyond the body [m]");
-    add(app, "--start", settings.start, "place of the first drone [m]")->expected(3);
-    add(app, "--bounds", settings.bounds, "flight space x0 y0 z0 x1 y1 z1 [m]")->expected(6);
-    ground_ = app.add_option("--ground", ground_z_, "height of a ground plane under the mesh [m]");
-    app.add_option("--noise", noise_, "stereo noise, on or off")->capture_default_str();
-    add(app, "--threads", settings.threads, "threads; the result is the same for any number");
-    add(app, "--max-time", settings.max_time, "the mission ends at this time [s]");
-    add(app, "--known-weight", settings.known_weight, "W_th: weight of a known voxel");
-    add(app, "--cluster-radius", settings.cluster_radius, "d_nu [m]");
-    add(app, "--lambda-tc", settings.lambda_tc, "penalty of travel between clusters [1/m]");
-    add(app, "--lambda-ic", settings.lambda_ic, "penalty of travel inside clusters [1/m]");
-    add(app, "--utility-share", settings.utility_share,
-        "c_thres: share of a route's work whose completion asks for a new plan");
-    add(app, "--max-looks", settings.max_looks, "looks in vain before an element is given up");
+  explicit InspectionOptions(cli::Options& app) : app_(app) {
+    app.add("--scene", settings.scene,
+            "powerplant, statue, house, or a mesh file (.ply .obj .stl .off) [m]");
+    app.add("--preset", settings.preset, "powerplant or statue: the published parameters");
+    app.add("--planner", settings.planner, "one of " + planner_list());
+    app.add("--architecture", settings.architecture, "single or centralized");
+    app.add("--robots", settings.robots, "number of drones");
+    app.add("--seed", settings.seed, "of noise and roadmap");
+    app.add("--voxel", settings.voxel, "edge of a voxel [m]");
+    app.add("--range", settings.range, "nearest and farthest depth [m]").expected(2);
+    app.add("--fov", settings.fov, "horizontal and vertical field of view [deg]").expected(2);
+    app.add("--image-width", settings.image_width, "columns of the depth image [px]");
+    app.add("--rate", settings.rate, "images a second");
+    app.add("--standoff", settings.standoff, "delta_pose, distance of a view [m]");
+    app.add("--speed", settings.speed, "nominal speed [m/s]");
+    app.add("--radius", settings.radius, "of a drone's body [m]");
+    app.add("--margin", settings.margin, "kept beyond the body [m]");
+    app.add("--start", settings.start, "place of the first drone [m]").expected(3);
+    app.add("--bounds", settings.bounds, "flight space x0 y0 z0 x1 y1 z1 [m]").expected(6);
+    app.add("--ground", settings.ground, "height of a ground plane under the mesh [m]");
+    app.add("--noise", noise_, "stereo noise, on or off");
+    app.add("--threads", settings.threads, "threads; the result is the same for any number");
+    app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
+    app.add("--known-weight", settings.known_weight, "W_th: weight of a known voxel");
+    app.add("--cluster-radius", settings.cluster_radius, "d_nu [m]");
+    app.add("--lambda-tc", settings.lambda_tc, "penalty of travel between clusters [1/m]");
+    app.add("--lambda-ic", settings.lambda_ic, "penalty of travel inside clusters [1/m]");
+    app.add("--utility-share", settings.utility_share,
+            "c_thres: share of a route's work whose completion asks for a new plan");
+    app.add("--max-looks", settings.max_looks, "looks in vain before an element is given up");
   }
 
   /// Call once, after parsing: applies the preset under what was given, and checks everything that
@@ -112,8 +111,8 @@ class InspectionOptions {
                : given.scene == "statue" ? "statue"
                                          : "powerplant";
     static_cast<ScenePreset&>(s) = preset_by_name(s.preset);
-    const auto keep = [&](std::string_view option, auto member) {
-      if (was_given(option)) s.*member = given.*member;
+    const auto keep = [&](const std::string& option, auto member) {
+      if (app_.was_given(option)) s.*member = given.*member;
     };
     keep("--voxel", &InspectionSettings::voxel);
     keep("--margin", &InspectionSettings::margin);
@@ -123,7 +122,6 @@ class InspectionOptions {
     keep("--lambda-tc", &InspectionSettings::lambda_tc);
     keep("--lambda-ic", &InspectionSettings::lambda_ic);
     keep("--utility-share", &InspectionSettings::utility_share);
-    if (ground_->count() > 0) s.ground = ground_z_;
     require(noise_ == "on" || noise_ == "off", "--noise " + noise_ + ": expected on or off");
     s.noise = noise_ == "on";
     check(s);
@@ -131,17 +129,6 @@ class InspectionOptions {
   }
 
  private:
-  template <typename T>
-  CLI::Option* add(CLI::App& app, const std::string& name, T& value, const std::string& help) {
-    CLI::Option* option = app.add_option(name, value, help)->capture_default_str();
-    options_.emplace_back(name, option);
-    return option;
-  }
-  bool was_given(std::string_view name) const {
-    for (const auto& [n, option] : options_)
-      if (n == name) return option->count() > 0;
-    return false;
-  }
   static void check(const InspectionSettings& s) {
     const auto positive = [](double v, const char* name) {
       require(v > 0.0 && std::isfinite(v), std::string(name) + ": expected a positive number");
@@ -176,9 +163,7 @@ class InspectionOptions {
     planner_by_name(s.planner);
   }
 
-  std::vector<std::pair<std::string, CLI::Option*>> options_;
-  CLI::Option* ground_ = nullptr;
-  double ground_z_ = 0.0;
+  cli::Options& app_;
   std::string noise_ = "on";
 };
 }  // namespace surfleet::examples
