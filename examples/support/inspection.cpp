@@ -119,7 +119,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
     o.start_clearance = std::min(o.start_clearance, site.structure.distance(q.position));
   o.limits.speed = s.speed;
   o.image_period = 1.0 / s.rate;
-  o.utility_share = std::min(s.utility_share, planner_by_name(s.planner).utility_share);
+  o.utility_share = s.utility_share;
   o.looks.max_looks = s.max_looks;
   o.region = site.scene.region;
   o.bounds = site.scene.bounds;

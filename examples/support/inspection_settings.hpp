@@ -24,7 +24,7 @@ struct ScenePreset {
   double standoff = 4.7;
   double cluster_radius = 2.0;
   double lambda_tc = 0.3, lambda_ic = 0.03;
-  double utility_share = 0.8;
+  double utility_share = 0.2;
 };
 /// Throws `Error` for a name that is neither powerplant nor statue.
 inline ScenePreset preset_by_name(std::string_view name) {
@@ -98,7 +98,7 @@ class InspectionOptions {
     app.add("--lambda-tc", settings.lambda_tc, "penalty of travel between clusters [1/m]");
     app.add("--lambda-ic", settings.lambda_ic, "penalty of travel inside clusters [1/m]");
     app.add("--utility-share", settings.utility_share,
-            "c_thres: share of a route's work whose completion asks for a new plan");
+            "1 - c_thres: share of a route's work whose completion asks for a new plan");
     app.add("--max-looks", settings.max_looks, "looks in vain before an element is given up");
   }
 

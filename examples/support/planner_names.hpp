@@ -14,15 +14,12 @@ struct NamedPlanner {
   std::string_view name;
   /// Whether clusters have a greatest extent; the published planners set none.
   bool bounded_clusters = true;
-  /// Largest share of a route that is flown before the next plan. NNB chooses anew "every time the
-  /// ISE map is updated" [000 §3.6.1]: here, when a tenth of what it flies for is complete.
-  double utility_share = 1.0;
 };
 
 constexpr std::array<NamedPlanner, 9> kPlanners{{
     {.name = "surfleet"},
     {.name = "tsga", .bounded_clusters = false},
-    {.name = "nnb", .bounded_clusters = false, .utility_share = 0.1},
+    {.name = "nnb", .bounded_clusters = false},
     {.name = "nnb-exclusive"},
     {.name = "tsga-async", .bounded_clusters = false},
     {.name = "tsga-improved"},

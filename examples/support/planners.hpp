@@ -31,6 +31,8 @@ inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& 
   if (name == "nnb") {
     // As printed: every robot chooses for itself, and two may choose the same cluster.
     asynchronous.exclusive = false;
+    // It chooses anew "every time the ISE map is updated" [000 §3.6.1].
+    asynchronous.utility_share = 0.1;
     NnbPlanner planner(asynchronous);
     planner.allocate.rule.exclusive = false;
     return made(std::move(planner));
@@ -42,6 +44,8 @@ inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& 
   reordered.reorder_stops = true;
   if (name == "tours") return made(CoverPlanner(reordered));
   if (name == "rate") return made(RatePlanner(rate));
+  // Tours of what is left gain by being made anew while they are flown.
+  reordered.utility_share = 0.1;
   if (name == "surfleet")
     return made(
         RateThenTours<RatePlanner, CoverPlanner>(RatePlanner(rate), CoverPlanner(reordered)));

@@ -68,6 +68,41 @@ TEST(no_frame_without_surface_or_unknown) {
   CHECK_THROWS(Error, surface_frame(states, e, 9));
 }
 
+TEST(remembered_frames_are_those_of_the_map_as_it_is) {
+  Random random(5);
+  TsdfMap map = implicit_scene(
+      0.2, 12, [&](const Point3& p) { return p.z() + 0.3 * std::sin(2.0 * p.x()); },
+      [](const Point3& p) { return p.x() < 0.5 || p.y() < 0.0; });
+  VoxelStateMap states(map);
+  SurfaceFrameMemory remember;
+  std::size_t framed = 0;
+  for (int round = 0; round < 12; ++round) {
+    const auto somewhere = [&](int half) {
+      return static_cast<int>(random.below(static_cast<std::uint64_t>(2 * half))) - half;
+    };
+    const VoxelIndex spot(somewhere(11), somewhere(11), somewhere(3));
+    paint(map, spot, spot + VoxelIndex::Constant(2), [&](const VoxelIndex& v) {
+      return v.z() > 0 ? VoxelState::empty : VoxelState::occupied;
+    });
+    states.update(map);
+    VoxelStateMap::Accessor state(states);
+    for (int pass = 0; pass < 2; ++pass) {
+      const std::vector<IncompleteElement> elements = elements_of(map);
+      for (const IncompleteElement& e : elements) {
+        const auto known = remember(states, state, e.voxel, 2);
+        const auto fresh = surface_frame(states, e, 2);
+        CHECK(known.has_value() == fresh.has_value());
+        if (!known || !fresh) continue;
+        ++framed;
+        CHECK(known->point == fresh->point && known->normal == fresh->normal &&
+              known->tangent == fresh->tangent);
+      }
+      remember.end_turn(elements.size());
+    }
+  }
+  CHECK(framed > 100);
+}
+
 TEST(a_floor_goes_on_around_its_rim) {
   const double voxel = 0.25, reach = 2.0, step = 0.5;
   const TsdfMap map = floor_scene(11, 8, voxel);

@@ -141,7 +141,7 @@ inline Table comparison_table(std::string_view environment, std::span<const OwnR
   for (const OwnRun& run : own) row(run.label, run.robots, run.planner, run);
   for (const PublishedRun& run : published_runs())
     if (run.environment == environment)
-      row("[" + std::string(run.source) + "]", run.robots,
+      row(std::string("[").append(run.source).append("]"), run.robots,
           std::string(run.planner) + (run.noisy ? "" : ", no noise"), run);
   return table;
 }

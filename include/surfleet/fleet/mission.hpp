@@ -62,8 +62,8 @@ struct MissionOptions {
   double start_clearance = 2.5;  ///< What is known to be free around every start [m].
   AerialLimits limits;
   double image_period = 0.25;  ///< Between a robot's images, and the step of the clock [s].
-  double utility_share = 0.8;  ///< c_thres: share of a route's elements whose completion asks
-                               ///< for a new plan.
+  double utility_share = 0.2;  ///< Share of a route's elements whose completion asks for a new
+                               ///< plan: 1 - c_thres, as `UtilityCheck` reads it.
   LookLedgerOptions looks;     ///< When an element is given up.
   double max_dwell = 10.0;     ///< Longest stay at a stop [s].
   bool watchful = true;        ///< On the way, turn to what there is to see.
@@ -192,6 +192,7 @@ class Mission {
     Phase phase = Phase::scanning;
     Stops route;                   ///< What is left to do; the first stop is under way.
     std::size_t initial_work = 0;  ///< Elements the route was made for, for the utility check.
+    double utility_share = 1.0;    ///< Of these, complete when a new plan is due.
     int quarters = 0;              ///< Of the first look around.
     double idle_until = 0.0;       ///< No new request before [s].
     double pause = kIdle;          ///< Until the next request if this one gives nothing [s].
@@ -356,8 +357,7 @@ class Mission {
   }
   /// UtilityCheck: so much of what the route was made for is complete that a new one is due.
   bool is_spent(const Agent& a) const {
-    return a.initial_work > 0 &&
-           UtilityCheck{options_.utility_share}(a.initial_work, open_work(a.route));
+    return a.initial_work > 0 && UtilityCheck{a.utility_share}(a.initial_work, open_work(a.route));
   }
 
   void request_plan() {
@@ -403,6 +403,7 @@ class Mission {
                               a.route.front().configuration.yaw)) < 1e-6;
       a.route = std::move(route);
       a.initial_work = open_work(a.route);
+      a.utility_share = std::min(options_.utility_share, result.utility_share);
       if (!same) halt(a);
       if (a.route.empty())
         rest(a);

@@ -33,6 +33,7 @@ struct RatePlannerOptions {
   /// What one look is thought to see at the most of the worth around a place: where that much would
   /// not pay for the way, no look is tried. 1 makes the search exact.
   double view_share = 0.25;
+  double utility_share = 0.1;  ///< As in `PlanResult`: the best stop changes with what is seen.
 };
 
 /// Greedy flights by marginal rate.
@@ -70,6 +71,7 @@ class RatePlanner {
     broadest_ = 0.0;
 
     PlanResult result;
+    result.utility_share = options.utility_share;
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> waiting;
     for (std::size_t r = 0; r < request.robots.size(); ++r) {
@@ -153,7 +155,7 @@ class RatePlanner {
     const double reach = options.prediction_share * request.camera.max_range;
     for (const PredictedPatch& p :
          predict_surface(request.work, request.known,
-                         {.reach = reach, .step = 2.0 * voxel, .region = request.region}))
+                         {.reach = reach, .step = 2.0 * voxel, .region = request.region}, frames_))
       targets.push_back({p.position, p.normal, options.prediction_worth * p.area,
                          static_cast<int>(reach / voxel)});
     first_space_ = targets.size();
@@ -274,6 +276,7 @@ class RatePlanner {
   std::unordered_map<std::size_t, View> sites_;
   // Targets are groups of elements, then predicted patches, then cells of unseen space.
   std::vector<std::vector<std::int32_t>> members_;  // elements by target
+  SurfaceFrameMemory frames_;
   UnseenSpace space_;
   std::size_t first_space_ = 0;  // target
   /// In view from places and headings when a robot last had looked from there [m²].

@@ -10,11 +10,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include <surfleet/geometry/pinhole_camera.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/mapping/voxel_grid.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/mapping/voxel_traversal.hpp>
 
@@ -69,19 +71,25 @@ class HeadingTable {
     range_ = camera.max_range;
   }
 
-  /// The headings, as bits, for a direction in the world of any length but zero.
+  /// The headings, as bits, for a direction in the world of any length; that of zero is up.
   std::uint16_t operator()(const Eigen::Vector3d& d) const {
-    const double scale = 1.0 / (std::abs(d.x()) + std::abs(d.y()) + std::abs(d.z()));
-    double u = d.x() * scale, v = d.y() * scale;
-    if (d.z() < 0.0) {
-      const double folded = (1.0 - std::abs(v)) * (u < 0.0 ? -1.0 : 1.0);
-      v = (1.0 - std::abs(u)) * (v < 0.0 ? -1.0 : 1.0);
-      u = folded;
-    }
+    return (*this)[cell(d.x(), d.y(), d.z())];
+  }
+  /// The headings of a cell.
+  std::uint16_t operator[](int cell) const { return headings_[static_cast<std::size_t>(cell)]; }
+  /// The cell of a direction. Without branches, so that a loop over it becomes one over vectors.
+  static int cell(double x, double y, double z) {
+    const double scale = 1.0 / (std::abs(x) + std::abs(y) + std::abs(z) + 1e-30);
+    const double u0 = x * scale, v0 = y * scale;
+    // The lower half is folded outwards, by as much as it is below.
+    const double below = 0.5 * (std::abs(z) - z) * scale;
+    const double u = u0 + std::copysign(below, u0), v = v0 + std::copysign(below, v0);
     const int i = std::min(kSide - 1, static_cast<int>((u + 1.0) * (0.5 * kSide)));
     const int j = std::min(kSide - 1, static_cast<int>((v + 1.0) * (0.5 * kSide)));
-    return headings_[static_cast<std::size_t>(j * kSide + i)];
+    return j * kSide + i;
   }
+  /// A cell without headings.
+  static constexpr int kNowhere = 128 * 128;
   /// From this distance on, the nearest depth is kept all over the image [m].
   double nearest() const { return nearest_; }
   /// The camera's farthest depth [m].
@@ -89,6 +97,7 @@ class HeadingTable {
 
  private:
   static constexpr int kSide = 128;
+  static_assert(kNowhere == kSide * kSide);
   static Eigen::Vector3d unfold(double u, double v) {
     Eigen::Vector3d d(u, v, 1.0 - std::abs(u) - std::abs(v));
     if (d.z() < 0.0) {
@@ -98,7 +107,7 @@ class HeadingTable {
     return d;
   }
 
-  std::array<std::uint16_t, kSide * kSide> headings_{};
+  std::array<std::uint16_t, kNowhere + 1> headings_{};
   double nearest_ = 0.0, range_ = 0.0;
 };
 
@@ -151,7 +160,7 @@ struct TargetSightOptions {
   double max_incidence = 1.4;  ///< Greatest angle between the normal and the line of sight [rad].
 };
 
-/// Finds what is in view from a position, by cells over the targets and a line of sight to each
+/// Finds what is in view from a position, by rows of targets along x and a line of sight to each
 /// candidate.
 template <TargetSight Sight = MapSight>
 class SightTargets {
@@ -162,41 +171,76 @@ class SightTargets {
       : targets_(std::move(targets)),
         sight_(std::move(sight)),
         headings_(&headings),
-        cell_(options.max_distance > 0.0 ? options.max_distance : headings.range()),
-        min_cosine_(std::cos(options.max_incidence)) {
-    std::vector<std::pair<std::int64_t, std::int32_t>> order;
+        reach_(options.max_distance > 0.0 ? options.max_distance : headings.range()),
+        rows_({.voxel_size = reach_ / kRows}) {
+    std::vector<std::tuple<int, int, double, std::int32_t>> order;
     order.reserve(targets_.size());
-    for (std::size_t i = 0; i < targets_.size(); ++i)
-      order.emplace_back(pack(cell_of(targets_[i].position)), static_cast<std::int32_t>(i));
-    std::sort(order.begin(), order.end());
-    for (const auto& [key, id] : order) {
-      const SightTarget& t = targets_[static_cast<std::size_t>(id)];
-      keys_.push_back(key);
-      entries_.push_back({t.position, t.normal, id, t.normal.isZero()});
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+      const VoxelIndex row = row_of(targets_[i].position);
+      order.emplace_back(row.z(), row.y(), targets_[i].position.x(), static_cast<std::int32_t>(i));
     }
+    std::sort(order.begin(), order.end());
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      const auto& [z, y, x, id] = order[k];
+      const SightTarget& t = targets_[static_cast<std::size_t>(id)];
+      Row& row = rows_.ensure({0, y, z});
+      if (row.begin == row.end) row.begin = k;
+      row.end = k + 1;
+      ids_.push_back(id);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto axis = static_cast<Eigen::Index>(i);
+        position_[i].push_back(t.position[axis]);
+        normal_[i].push_back(t.normal[axis]);
+      }
+      const double cosine = t.normal.isZero() ? -1.0 : std::cos(options.max_incidence);
+      least_cosine_.push_back(cosine * std::abs(cosine));
+    }
+    // A loop over lanes may read on beyond the last one.
+    for (auto* lanes : {&position_[0], &position_[1], &position_[2], &normal_[0], &normal_[1],
+                        &normal_[2], &least_cosine_})
+      lanes->resize(ids_.size() + kLanes, 0.0);
   }
 
   std::size_t size() const { return targets_.size(); }
   const SightTarget& operator[](std::size_t i) const { return targets_[i]; }
   std::span<const SightTarget> all() const { return targets_; }
   /// Farthest look that counts [m].
-  double reach() const { return cell_; }
+  double reach() const { return reach_; }
 
-  /// The targets that would be in view from `p` if nothing were in the way. O(targets within two
-  /// ranges).
+  /// The targets that would be in view from `p` if nothing were in the way. O(targets within
+  /// reach).
   std::vector<Sighting> in_view(const Point3& p) const {
     std::vector<Sighting> view;
-    const VoxelIndex c = cell_of(p);
-    for (int z = -1; z <= 1; ++z)
-      for (int y = -1; y <= 1; ++y) {
-        // The three cells of a row are neighbours in the order.
-        const auto low =
-            std::lower_bound(keys_.begin(), keys_.end(), pack(c + VoxelIndex(-1, y, z)));
-        const auto high = std::upper_bound(low, keys_.end(), pack(c + VoxelIndex(1, y, z)));
-        const auto end = entries_.begin() + (high - keys_.begin());
-        for (auto e = entries_.begin() + (low - keys_.begin()); e != end; ++e)
-          if (const std::uint16_t bits = headings_for(p, *e)) view.push_back({e->id, bits});
+    std::size_t count = 0;
+    const double width = rows_.voxel_size();
+    const VoxelIndex home = row_of(p);
+    const auto gap = [&](double at, int cell) {  // from a coordinate to a row's
+      return std::max({0.0, cell * width - at, at - (cell + 1) * width});
+    };
+    for (int z = home.z() - kRows; z <= home.z() + kRows; ++z)
+      for (int y = home.y() - kRows; y <= home.y() + kRows; ++y) {
+        const double dy = gap(p.y(), y), dz = gap(p.z(), z);
+        const double rest = reach_ * reach_ - dy * dy - dz * dz;
+        const Row* row = rest < 0.0 ? nullptr : rows_.find({0, y, z});
+        if (row == nullptr) continue;
+        const double half = std::sqrt(rest);
+        const auto xs = position_[0].begin();
+        const auto at = [&](std::size_t k) { return xs + static_cast<std::ptrdiff_t>(k); };
+        const auto low = std::lower_bound(at(row->begin), at(row->end), p.x() - half);
+        const auto high = std::upper_bound(low, at(row->end), p.x() + half);
+        const auto last = static_cast<std::size_t>(high - xs);
+        view.resize(count + static_cast<std::size_t>(high - low));
+        for (auto k = static_cast<std::size_t>(low - xs); k < last; k += kLanes) {
+          const std::array<int, kLanes> cells = cells_from(p, k);
+          // Whether one is in view is as good as random, so it is written in any case.
+          for (std::size_t i = 0; i < std::min(kLanes, last - k); ++i) {
+            const std::uint16_t bits = (*headings_)[cells[i]];
+            view[count] = {ids_[k + i], bits};
+            count += bits != 0 ? 1 : 0;
+          }
+        }
       }
+    view.resize(count);
     return view;
   }
   /// Keeps what is really in sight of it. A line of sight each.
@@ -206,7 +250,7 @@ class SightTargets {
       return !sees(p, targets_[static_cast<std::size_t>(s.target)]);
     });
   }
-  /// Both: the targets in view from `p`, those of a cell beside each other.
+  /// Both: the targets in view from `p`, those of a row beside each other.
   std::vector<Sighting> seen_from(const Point3& p) const {
     std::vector<Sighting> seen = in_view(p);
     keep_in_sight(p, seen);
@@ -214,31 +258,46 @@ class SightTargets {
   }
 
  private:
-  struct Entry {
-    Point3 position;
-    Eigen::Vector3d normal;
-    std::int32_t id;
-    bool any_side;
+  /// Where the targets of a row are in the lanes.
+  struct Row {
+    std::size_t begin = 0, end = 0;
   };
-  VoxelIndex cell_of(const Point3& p) const { return (p / cell_).array().floor().cast<int>(); }
-  static std::int64_t pack(const VoxelIndex& c) {
-    constexpr std::int64_t bias = 1 << 20;
-    return ((c.z() + bias) << 42) + ((c.y() + bias) << 21) + (c.x() + bias);
+  static constexpr int kRows = 3;  // to the reach
+  static constexpr std::size_t kLanes = 8;
+
+  VoxelIndex row_of(const Point3& p) const {
+    VoxelIndex row = rows_.index_of(p);
+    row.x() = 0;
+    return row;
   }
-  std::uint16_t headings_for(const Point3& p, const Entry& t) const {
-    const Eigen::Vector3d d = t.position - p;
-    const double squared = d.squaredNorm();
-    if (squared > cell_ * cell_ || squared < headings_->nearest() * headings_->nearest()) return 0;
-    if (!t.any_side && -d.dot(t.normal) < std::sqrt(squared) * min_cosine_) return 0;
-    return (*headings_)(d);
+  /// The cells of the directions from `p` to the targets from the k-th on; of those too far, too
+  /// near or turned away a cell without headings.
+  std::array<int, kLanes> cells_from(const Point3& p, std::size_t k) const {
+    const double farthest = reach_ * reach_, nearest = headings_->nearest() * headings_->nearest();
+    std::array<int, kLanes> cells;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const double x = position_[0][k + i] - p.x(), y = position_[1][k + i] - p.y(),
+                   z = position_[2][k + i] - p.z();
+      const double squared = x * x + y * y + z * z;
+      const double towards =
+          -(x * normal_[0][k + i] + y * normal_[1][k + i] + z * normal_[2][k + i]);
+      const bool in_view = (squared <= farthest) & (squared >= nearest) &
+                           (towards * std::abs(towards) >= squared * least_cosine_[k + i]);
+      const int mask = -static_cast<int>(in_view);
+      cells[i] = (HeadingTable::cell(x, y, z) & mask) | (HeadingTable::kNowhere & ~mask);
+    }
+    return cells;
   }
 
   std::vector<SightTarget> targets_;
   Sight sight_;
   const HeadingTable* headings_;
-  double cell_, min_cosine_;
-  std::vector<std::int64_t> keys_;  // by cell
-  std::vector<Entry> entries_;      // in the same order
+  double reach_;
+  VoxelGrid<Row, 1> rows_;
+  // Of the targets by row, along x:
+  std::vector<std::int32_t> ids_;
+  std::array<std::vector<double>, 3> position_, normal_;
+  std::vector<double> least_cosine_;  // between normal and line of sight, squared with its sign
 };
 
 /// Marks in `done` the targets in view at a heading; `fn(id)` is told of those not marked before.

@@ -102,6 +102,7 @@ struct TourPlannerOptions {
   /// Whether each robot's stops are put in order once more without regard to their clusters, for
   /// the shortest way through all of them.
   bool reorder_stops = false;
+  double utility_share = 1.0;  ///< As in `PlanResult`.
 };
 
 /// Viewpoints at the incomplete surface, made fewer, clustered, valued by ray casting, allocated to
@@ -124,6 +125,7 @@ class TourPlanner {
 
   PlanResult operator()(const PlanRequest& request) {
     PlanResult result;
+    result.utility_share = options.utility_share;
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> serve;
     std::vector<Configuration> starts;

@@ -13,8 +13,12 @@
 
 namespace surfleet {
 /// Whether enough of what a plan set out to complete is done for a new plan to pay.
+///
+/// The text has it that c_thres (80 or 50 %) of the elements are "completed", the algorithm that
+/// those left are compared with those at the start. We read c_thres as the share that must be left
+/// for a plan to be worth pursuing, which keeps the fleet near to what it discovers.
 struct UtilityCheck {
-  double threshold = 0.8;  ///< c_thres: share of the initial incomplete elements, in (0, 1].
+  double threshold = 0.2;  ///< 1 - c_thres: share of the initial elements complete, in (0, 1].
 
   /// `initial` elements when the plan was made, `left` of them still incomplete. A plan without
   /// any is always done.

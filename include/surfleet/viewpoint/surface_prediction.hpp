@@ -9,6 +9,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -123,16 +125,62 @@ inline std::optional<SurfaceFrame> surface_frame(const VoxelStateMap& map,
   return surface_frame(state, map.voxel_size(), element.voxel, window);
 }
 
+/// The frames of elements, fitted anew where the map has changed beside them.
+class SurfaceFrameMemory {
+ public:
+  /// As `surface_frame`, always of the same map. O(1) where nothing has changed.
+  std::optional<SurfaceFrame> operator()(const VoxelStateMap& map, VoxelStateMap::Accessor& state,
+                                         const VoxelIndex& element, int window) {
+    const auto [it, fresh] = frames_.try_emplace(key_of(element));
+    Known& known = it->second;
+    if (fresh || known.window != window || latest_change(map.grid(), element, window) > known.at)
+      known = {surface_frame(state, map.voxel_size(), element, window), map.grid().revision(),
+               window};
+    known.used = turn_;
+    return known.frame;
+  }
+  /// Call when all elements there are have been asked for: the others are forgotten in time.
+  void end_turn(std::size_t elements) {
+    if (frames_.size() > 2 * elements + 64)
+      std::erase_if(frames_, [&](const auto& f) { return f.second.used != turn_; });
+    ++turn_;
+  }
+
+ private:
+  struct Known {
+    std::optional<SurfaceFrame> frame;
+    std::uint64_t at = 0;  // revision of the map
+    int window = 0;
+    std::uint64_t used = 0;  // turn
+  };
+  static std::uint64_t latest_change(const VoxelStateMap::Grid& grid, const VoxelIndex& element,
+                                     int window) {
+    std::uint64_t latest = 0;
+    const VoxelIndex w = VoxelIndex::Constant(window);
+    for_each_index(VoxelStateMap::Grid::block_of(element - w),
+                   VoxelStateMap::Grid::block_of(element + w), [&](const VoxelIndex& b) {
+                     const std::uint32_t slot = grid.find_slot(b);
+                     if (slot != VoxelStateMap::Grid::kNone)
+                       latest = std::max(latest, grid.block(slot).changed);
+                   });
+    return latest;
+  }
+
+  std::map<VoxelKey, Known> frames_;
+  std::uint64_t turn_ = 0;
+};
+
 /// Continues the surface beyond its border: from every element's frame, lanes run in the tangent
 /// plane through unknown voxels for up to `reach`, and end where the map is known again.
 ///
 /// Lanes leave along the tangent and `spread` to both sides of it. Patches that fall into the same
 /// cell of a lattice of `step`, facing alike, are one, averaged. A patch's area is what a plane of
 /// its slope takes of a cell on average. In the order of the elements that first led there.
-/// O(elements × reach / step).
+/// O(elements × reach / step). `frames` serves later calls for the same map.
 inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteElement> elements,
                                                    const VoxelStateMap& map,
-                                                   const PredictionOptions& options = {}) {
+                                                   const PredictionOptions& options,
+                                                   SurfaceFrameMemory& frames) {
   const double voxel = map.voxel_size();
   const double step = options.step > 0.0 ? options.step : 2.0 * voxel;
   require(options.reach > 0.0 && std::isfinite(options.reach) && options.reach <= 1e4 * step,
@@ -152,7 +200,7 @@ inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteEle
   const std::array<double, 3> angles = {0.0, options.spread, -options.spread};
   const double stride = 0.5 * step;
   for (const IncompleteElement& e : elements) {
-    const auto frame = surface_frame(state, voxel, e.voxel, options.window);
+    const auto frame = frames(map, state, e.voxel, options.window);
     if (!frame) continue;
     int main_axis = 0;
     frame->normal.cwiseAbs().maxCoeff(&main_axis);
@@ -185,6 +233,7 @@ inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteEle
       }
     }
   }
+  frames.end_turn(elements.size());
   std::vector<PredictedPatch> patches;
   patches.reserve(sums.size());
   for (const Sum& sum : sums) {
@@ -192,6 +241,12 @@ inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteEle
     patches.push_back({sum.position / sum.count, normal, step * step / normal.lpNorm<1>()});
   }
   return patches;
+}
+inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteElement> elements,
+                                                   const VoxelStateMap& map,
+                                                   const PredictionOptions& options = {}) {
+  SurfaceFrameMemory frames;
+  return predict_surface(elements, map, options, frames);
 }
 template <NeighborhoodPolicy U, NeighborhoodPolicy O, NeighborhoodPolicy D>
 std::vector<PredictedPatch> predict_surface(const BasicIncompleteSurface<U, O, D>& incomplete,
