@@ -44,8 +44,6 @@ inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& 
   reordered.reorder_stops = true;
   if (name == "tours") return made(CoverPlanner(reordered));
   if (name == "rate") return made(RatePlanner(rate));
-  // Tours of what is left gain by being made anew while they are flown.
-  reordered.utility_share = 0.1;
   if (name == "surfleet")
     return made(
         RateThenTours<RatePlanner, CoverPlanner>(RatePlanner(rate), CoverPlanner(reordered)));

@@ -259,6 +259,7 @@ struct AskedOnce {
         const PlanResult result = p(request);
         const bool toured = !result.routes[0] || result.routes[0]->empty();
         CHECK(toured == p.touring());
+        CHECK(result.utility_share == p.lone_utility_share);  // whichever was asked
         all = all && toured;
         any = any || toured;
       }

@@ -63,7 +63,8 @@ struct MissionOptions {
   AerialLimits limits;
   double image_period = 0.25;  ///< Between a robot's images, and the step of the clock [s].
   double utility_share = 0.2;  ///< Share of a route's elements whose completion asks for a new
-                               ///< plan: 1 - c_thres, as `UtilityCheck` reads it.
+                               ///< plan, unless the planner says another: 1 - c_thres, as
+                               ///< `UtilityCheck` reads it.
   LookLedgerOptions looks;     ///< When an element is given up.
   double max_dwell = 10.0;     ///< Longest stay at a stop [s].
   bool watchful = true;        ///< On the way, turn to what there is to see.
@@ -403,7 +404,7 @@ class Mission {
                               a.route.front().configuration.yaw)) < 1e-6;
       a.route = std::move(route);
       a.initial_work = open_work(a.route);
-      a.utility_share = std::min(options_.utility_share, result.utility_share);
+      a.utility_share = result.utility_share.value_or(options_.utility_share);
       if (!same) halt(a);
       if (a.route.empty())
         rest(a);

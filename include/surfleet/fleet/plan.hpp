@@ -59,9 +59,9 @@ struct PlanResult {
   /// One a robot: nothing keeps the route it has, an empty route takes it away.
   std::vector<std::optional<Stops>> routes;
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible;
-  /// The next plan is wanted when so much of what a route shows is complete, or earlier if the
-  /// mission says so.
-  double utility_share = 1.0;
+  /// The next plan is wanted when this share of what a route was made for is complete; if not
+  /// said, the mission's own share decides.
+  std::optional<double> utility_share = std::nullopt;
 };
 
 /// A high-level planner: turns the state of the map into routes. It may keep state between calls.

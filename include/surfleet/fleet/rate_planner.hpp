@@ -33,7 +33,6 @@ struct RatePlannerOptions {
   /// What one look is thought to see at the most of the worth around a place: where that much would
   /// not pay for the way, no look is tried. 1 makes the search exact.
   double view_share = 0.25;
-  double utility_share = 0.1;  ///< As in `PlanResult`: the best stop changes with what is seen.
 };
 
 /// Greedy flights by marginal rate.
@@ -43,10 +42,10 @@ struct RatePlannerOptions {
 /// lattice and a heading; its rate is what it sees and nobody else was sent to see, over the metres
 /// it costs. Each robot in turn, the best first, is given the stop of the highest rate. The search
 /// goes outward from the robot, leaves out what is worth too little for the way, and ends when all
-/// the rest is. Plans are made anew at every stop. Where the published method commits to a tour
-/// over what is known, this one is paid for by what the next flight will discover. What was looked
-/// at in vain once, it leaves to others; and where a robot has just looked it does not look again
-/// for what that look has left, were it the best there is.
+/// the rest is. Where the published method commits to a tour over what is known, this one is paid
+/// for by what the next flight will discover. What was looked at in vain once, it leaves to others;
+/// and where a robot has just looked it does not look again for what that look has left, were it
+/// the best there is.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -71,7 +70,6 @@ class RatePlanner {
     broadest_ = 0.0;
 
     PlanResult result;
-    result.utility_share = options.utility_share;
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> waiting;
     for (std::size_t r = 0; r < request.robots.size(); ++r) {

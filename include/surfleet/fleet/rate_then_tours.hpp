@@ -31,11 +31,23 @@ class RateThenTours {
   double share = 0.3;  ///< Of the mean rate.
   double broad = 0.3;  ///< Share of the broadest look of the mission that still counts as broad.
   int memory = 4;      ///< Requests a robot that the recent rate is averaged over.
+  /// When a new plan is wanted, as in `PlanResult`: in a team what one was sent for others see on
+  /// their way; who is alone does better to carry on.
+  double team_utility_share = 0.1, lone_utility_share = 0.8;
 
   explicit RateThenTours(First f = First{}, Then t = Then{})
       : first(std::move(f)), then(std::move(t)) {}
 
   PlanResult operator()(const PlanRequest& request) {
+    PlanResult result = choose(request);
+    result.utility_share = request.robots.size() > 1 ? team_utility_share : lone_utility_share;
+    return result;
+  }
+  /// Whether the second planner is at work.
+  bool touring() const { return touring_; }
+
+ private:
+  PlanResult choose(const PlanRequest& request) {
     PlanResult result = first(request);
     const double rate = first.last_rate(), look = first.broadest_look();
     broadest_ = std::max(broadest_, look);
@@ -54,10 +66,7 @@ class RateThenTours {
     touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
     return touring_ ? then(request) : result;
   }
-  /// Whether the second planner is at work.
-  bool touring() const { return touring_; }
 
- private:
   double mean_ = 0.0, recent_ = 0.0;  // rates [m²/m]
   double broadest_ = 0.0;             // look so far [m²]
   std::size_t count_ = 0;             // of requests to the first

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <optional>
 #include <set>
 #include <span>
 #include <type_traits>
@@ -102,7 +103,7 @@ struct TourPlannerOptions {
   /// Whether each robot's stops are put in order once more without regard to their clusters, for
   /// the shortest way through all of them.
   bool reorder_stops = false;
-  double utility_share = 1.0;  ///< As in `PlanResult`.
+  std::optional<double> utility_share = std::nullopt;  ///< As in `PlanResult`.
 };
 
 /// Viewpoints at the incomplete surface, made fewer, clustered, valued by ray casting, allocated to
