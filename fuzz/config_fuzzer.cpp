@@ -9,15 +9,14 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace surfleet;
-  CLI::App app;
+  cli::Options app("");
   examples::InspectionOptions options(app);
   std::istringstream file(std::string(reinterpret_cast<const char*>(data), size));
   try {
-    app.parse_from_stream(file);
+    app.parse_config(file);
     const examples::InspectionSettings s = options.settle();
     if (s.robots < 1 || s.robots > 64 || !(s.voxel >= 0.01) || !(s.range[1] > s.range[0]))
       std::abort();
-  } catch (const CLI::Error&) {
   } catch (const Error&) {
   }
   return 0;

@@ -69,6 +69,13 @@ void Options::parse(int argc, const char* const* argv) {
     throw Error(std::string(e.what()) + " (--help lists the options)");
   }
 }
+void Options::parse_config(std::istream& file) {
+  try {
+    app_->parse_from_stream(file);
+  } catch (const CLI::Error& e) {
+    throw Error(e.what());
+  }
+}
 bool Options::was_given(const std::string& name) const {
   return app_->get_option(name)->count() > 0;
 }

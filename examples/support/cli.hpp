@@ -27,6 +27,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iosfwd>
 #include <memory>
 #include <new>
 #include <optional>
@@ -111,6 +112,8 @@ class Options {
   void add_config_file();
   /// Help is printed and leaves `run` with status 0; a wrong option is an `Error`.
   void parse(int argc, const char* const* argv);
+  /// Takes the options from the text of such a file alone. Throws `Error`.
+  void parse_config(std::istream& file);
   /// Whether the command line or the file gave this option.
   bool was_given(const std::string& name) const;
 
