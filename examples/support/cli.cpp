@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <iostream>
-#include <type_traits>
 
 namespace surfleet::cli {
 Option& Option::required() {
@@ -18,7 +17,7 @@ Option& Option::one_of(const std::vector<std::string>& words) {
   option_->check(CLI::IsMember(words));
   return *this;
 }
-Option& Option::within(double least, double most) {
+Option& Option::within(int least, int most) {
   option_->check(CLI::Range(least, most));
   return *this;
 }

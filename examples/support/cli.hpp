@@ -77,7 +77,7 @@ class Option {
   /// So many values, no more and no less.
   Option& expected(int count);
   Option& one_of(const std::vector<std::string>& words);
-  Option& within(double least, double most);
+  Option& within(int least, int most);
   Option& positive();
   Option& zero_or_more();
   /// A list in one word, as in a,b,c.

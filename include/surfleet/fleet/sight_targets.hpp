@@ -47,6 +47,8 @@ struct Sighting {
 /// The headings at which a mounted camera has a direction in its image, looked up in an octahedral
 /// map of directions with cells of about a degree. 32 KiB.
 class HeadingTable {
+  static constexpr int kSide = 128;
+
  public:
   HeadingTable(const PinholeCamera& camera, const Pose& T_body_camera) {
     std::array<Eigen::Matrix3d, kHeadings> R_camera_world;
@@ -89,15 +91,13 @@ class HeadingTable {
     return j * kSide + i;
   }
   /// A cell without headings.
-  static constexpr int kNowhere = 128 * 128;
+  static constexpr int kNowhere = kSide * kSide;
   /// From this distance on, the nearest depth is kept all over the image [m].
   double nearest() const { return nearest_; }
   /// The camera's farthest depth [m].
   double range() const { return range_; }
 
  private:
-  static constexpr int kSide = 128;
-  static_assert(kNowhere == kSide * kSide);
   static Eigen::Vector3d unfold(double u, double v) {
     Eigen::Vector3d d(u, v, 1.0 - std::abs(u) - std::abs(v));
     if (d.z() < 0.0) {
