@@ -3,10 +3,12 @@
 #include <limits>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
@@ -101,6 +103,107 @@ TEST(lattice_search_goes_on_beyond_passages_too_narrow_for_it) {
     return lengths;
   };
   CHECK(count(one) == std::tuple(75, 90, 7.5));
+}
+
+TEST(lattice_search_follows_the_space_where_it_is_told_to) {
+  // Boxes come and go; a lattice that is told where finds what a new one does.
+  struct Boxes {
+    std::vector<Box3> boxes;
+    bool is_free(const Point3& p) const {
+      return std::none_of(boxes.begin(), boxes.end(), [&](const Box3& b) { return b.contains(p); });
+    }
+    bool is_free_segment(const Point3& a, const Point3& b) const {
+      for (int i = 0; i <= 20; ++i)
+        if (!is_free(a + (b - a) * (i / 20.0))) return false;
+      return true;
+    }
+  } space;
+  const Box3 box(Point3(-7, 3, 0), Point3(5, 13, 4));
+  FlightLattice<Boxes> kept(space, box, 0.9);
+  const auto sites = [&](FlightLattice<Boxes>& lattice) {
+    std::vector<std::pair<std::size_t, double>> met;
+    lattice.search({-6.5, 3.5, 0.5}, [&](const auto& site) {
+      met.emplace_back(lattice.index(site.cell), site.distance);
+      return true;
+    });
+    return met;
+  };
+  Random random(5);
+  std::size_t fewest = kept.size();
+  for (int round = 0; round < 40; ++round) {
+    const auto at = [&](double low, double high) { return random.uniform(low, high); };
+    const Point3 corner(at(-9, 5), at(1, 13), at(-2, 4));
+    if (space.boxes.size() > 6) {
+      kept.forget(space.boxes.front());
+      space.boxes.erase(space.boxes.begin());
+    }
+    space.boxes.emplace_back(corner, corner + Point3(at(0.1, 4), at(0.1, 9), at(0.1, 5)));
+    kept.forget(space.boxes.back());
+    FlightLattice<Boxes> fresh(space, box, 0.9);
+    const auto met = sites(kept);
+    CHECK(met == sites(fresh));
+    fewest = std::min(fewest, met.size());
+  }
+  CHECK(fewest < kept.size() * 9 / 10);
+  kept.forget(Box3());
+}
+
+TEST(look_bound_is_never_below_what_is_in_view) {
+  // A camera that looks down a little, and targets beyond the lattice on all sides.
+  const PinholeCamera camera =
+      PinholeCamera::from_fov(radians(90.0), radians(60.0), 40, 30, 0.8, 4.0);
+  Pose mount = forward_camera_mount();
+  mount.rotate(Eigen::AngleAxisd(-0.4, Eigen::Vector3d::UnitX()));
+  const HeadingTable headings(camera, mount);
+  Random random(8);
+  std::vector<SightTarget> all;
+  for (int i = 0; i < 3000; ++i) {
+    SightTarget t;
+    t.position = Point3(random.uniform(-9, 11), random.uniform(-8, 12), random.uniform(-6, 9));
+    t.worth = random.uniform(0.1, 2.0);
+    all.push_back(t);
+  }
+  struct Anything {
+    bool operator()(const Point3&, const SightTarget&) const { return true; }
+  };
+  const SightTargets<Anything> targets(all, Anything{}, headings);
+  const Slab slab;
+  const FlightLattice<Slab> lattice(slab, {Point3(-3, -2, 0), Point3(5, 6, 3)}, 0.7);
+  const LookBound most(targets.all(), lattice, headings, targets.reach());
+  const std::vector<char> none(targets.size(), 0);
+  double bounds = 0.0, looks = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    VoxelIndex node;
+    for (int axis = 0; axis < 3; ++axis)
+      node[axis] = static_cast<int>(random.uniform(0, lattice.count()[axis]));
+    const auto seen = worth_by_heading(targets, targets.seen_from(lattice.position(node)), none);
+    const auto bound = most(node);
+    for (std::size_t k = 0; k < kHeadings; ++k) {
+      CHECK(bound[k] >= seen[k]);
+      CHECK(most.at_any_heading(node) >= bound[k] - 1e-9);
+      bounds += bound[k];
+      looks += seen[k];
+    }
+  }
+  CHECK(looks > 0.1 * bounds);  // and of use
+  // A single target shows where a box is too small.
+  int seen = 0;
+  for (int i = 0; i < 400; ++i) {
+    const VoxelIndex node(2 + i % 8, 3 + i % 5, 1 + i % 3);
+    Eigen::Vector3d d(random.normal(), random.normal(), random.normal());
+    d *= random.uniform(3.6, 4.0) / d.norm();
+    const SightTargets<Anything> one(
+        {{lattice.position(node) + d, Eigen::Vector3d::Zero(), 1.0, 0}}, Anything{}, headings);
+    const LookBound bound(one.all(), lattice, headings, one.reach());
+    const auto worth = worth_by_heading(one, one.seen_from(lattice.position(node)), none);
+    for (std::size_t k = 0; k < kHeadings; ++k) {
+      CHECK(bound(node)[k] >= worth[k]);
+      seen += worth[k] > 0.0 ? 1 : 0;
+    }
+  }
+  CHECK(seen > 400);
+  const LookBound nothing({}, lattice, headings, 4.0);
+  CHECK(nothing.at_any_heading(VoxelIndex::Zero()) == 0.0);
 }
 
 TEST(worth_around_bounds_what_a_look_can_see) {

@@ -20,7 +20,7 @@
 namespace surfleet {
 /// Positions on a regular lattice over a box, joined to their 26 neighbours where the straight
 /// flight between them is free. Nodes and edges are judged when a search first meets them, and the
-/// verdicts serve later searches: a lattice is for one state of the map.
+/// verdicts serve later searches until the space changes there.
 template <typename Free>
 class FlightLattice {
  public:
@@ -33,13 +33,19 @@ class FlightLattice {
 
   /// `free` offers `is_free(Point3)` and `is_free_segment(Point3, Point3)`. Spacing in metres.
   FlightLattice(const Free& free, const Box3& bounds, double spacing)
-      : free_(&free), bounds_(bounds), spacing_(spacing) {
+      : free_(&free), spacing_(spacing) {
     for (int i = 0; i < 3; ++i)
       count_[i] = std::max(1, static_cast<int>(std::floor(bounds.sizes()[i] / spacing)) + 1);
     // The lattice is centred in the box.
     for (int i = 0; i < 3; ++i)
       origin_[i] = bounds.min()[i] + 0.5 * (bounds.sizes()[i] - (count_[i] - 1) * spacing);
     nodes_.resize(size());
+    for_each_index(VoxelIndex::Constant(-1), VoxelIndex::Ones(), [&](const VoxelIndex& step) {
+      if (step.isZero()) return;
+      const int direction = (step.x() + 1) + 3 * ((step.y() + 1) + 3 * (step.z() + 1));
+      steps_.push_back(
+          {step, spacing * std::sqrt(static_cast<double>(step.squaredNorm())), direction});
+    });
   }
 
   Point3 position(const VoxelIndex& c) const { return origin_ + c.cast<double>() * spacing_; }
@@ -48,6 +54,7 @@ class FlightLattice {
     return ((p - origin_) / spacing_).array().round().cast<int>();
   }
   double spacing() const { return spacing_; }
+  VoxelIndex count() const { return count_; }  ///< Nodes along each axis.
   std::size_t index(const VoxelIndex& c) const {
     return (static_cast<std::size_t>(c.z()) * static_cast<std::size_t>(count_.y()) +
             static_cast<std::size_t>(c.y())) *
@@ -57,6 +64,22 @@ class FlightLattice {
   std::size_t size() const {
     return static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()) *
            static_cast<std::size_t>(count_.z());
+  }
+
+  /// Forgets the verdicts that what has changed in a box may have overturned. O(nodes beside it).
+  void forget(const Box3& box) {
+    if (box.isEmpty()) return;
+    // An edge ends within a step of the node it is kept with.
+    const Eigen::Array3d step = Eigen::Array3d::Constant(spacing_);
+    const Eigen::Array3d most = (count_ - VoxelIndex::Ones()).cast<double>().array();
+    const auto inside = [&](const Eigen::Array3d& c) {
+      return VoxelIndex(c.max(0.0).min(most).cast<int>());
+    };
+    const Eigen::Array3d low = ((box.min() - origin_).array() - step) / spacing_;
+    const Eigen::Array3d high = ((box.max() - origin_).array() + step) / spacing_;
+    if ((high < 0.0).any() || (low > most).any()) return;
+    for_each_index(inside(low.floor()), inside(high.ceil()),
+                   [&](const VoxelIndex& c) { nodes_[index(c)] = {}; });
   }
 
   /// Says that there is no way but along the lattice.
@@ -73,7 +96,6 @@ class FlightLattice {
     struct Entry {
       double distance;
       std::size_t index;
-      VoxelIndex cell;
       bool operator>(const Entry& o) const {
         return distance != o.distance ? distance > o.distance : index > o.index;
       }
@@ -97,7 +119,7 @@ class FlightLattice {
             if (!is_free(c, i) || !free_->is_free_segment(start, p)) continue;
             const double d = (p - start).norm();
             best[i] = static_cast<float>(d);
-            open.push({d, i, c});
+            open.push({d, i});
           }
     const auto expand = [&] {
       while (!open.empty()) {
@@ -105,22 +127,19 @@ class FlightLattice {
         open.pop();
         if (closed[e.index] != 0) continue;
         closed[e.index] = 1;
-        if (!visit(Site{e.cell, position(e.cell), e.distance})) return false;
-        for (int z = -1; z <= 1; ++z)
-          for (int y = -1; y <= 1; ++y)
-            for (int x = -1; x <= 1; ++x) {
-              const VoxelIndex step(x, y, z), c = e.cell + step;
-              if (step.isZero() || !inside(c)) continue;
-              const std::size_t i = index(c);
-              if (closed[i] != 0) continue;
-              const double d =
-                  e.distance + spacing_ * std::sqrt(static_cast<double>(step.squaredNorm()));
-              if (static_cast<float>(d) >= best[i] || !is_free(c, i)) continue;
-              if (!is_free_edge(e.cell, e.index, c, (x + 1) + 3 * ((y + 1) + 3 * (z + 1))))
-                continue;
-              best[i] = static_cast<float>(d);
-              open.push({d, i, c});
-            }
+        const VoxelIndex cell = cell_of(e.index);
+        if (!visit(Site{cell, position(cell), e.distance})) return false;
+        for (const Step& step : steps_) {
+          const VoxelIndex c = cell + step.cells;
+          if (!inside(c)) continue;
+          const std::size_t i = index(c);
+          const double d = e.distance + step.length;
+          if (closed[i] != 0 || static_cast<float>(d) >= best[i] || !is_free(c, i) ||
+              !is_free_edge(cell, e.index, c, step.direction))
+            continue;
+          best[i] = static_cast<float>(d);
+          open.push({d, i});
+        }
       }
       return true;
     };
@@ -141,12 +160,21 @@ class FlightLattice {
       if (rest.empty()) return;
       const std::vector<double> lengths = ways(std::span<const Point3>(places));
       for (std::size_t k = 0; k < rest.size(); ++k)
-        if (std::isfinite(lengths[k])) open.push({lengths[k], index(rest[k]), rest[k]});
+        if (std::isfinite(lengths[k])) open.push({lengths[k], index(rest[k])});
       expand();
     }
   }
 
  private:
+  struct Step {
+    VoxelIndex cells;
+    double length;  // [m]
+    int direction;
+  };
+  VoxelIndex cell_of(std::size_t i) const {
+    const auto nx = static_cast<std::size_t>(count_.x()), ny = static_cast<std::size_t>(count_.y());
+    return {static_cast<int>(i % nx), static_cast<int>(i / nx % ny), static_cast<int>(i / nx / ny)};
+  }
   /// What is known of a node and of the edges that leave it, a bit each by direction.
   struct Node {
     std::uint32_t judged = 0, free = 0;
@@ -171,10 +199,10 @@ class FlightLattice {
   }
 
   const Free* free_;
-  Box3 bounds_;
   double spacing_;
   VoxelIndex count_ = VoxelIndex::Ones();
   Point3 origin_ = Point3::Zero();
+  std::vector<Step> steps_;
   std::vector<Node> nodes_;
 };
 }  // namespace surfleet

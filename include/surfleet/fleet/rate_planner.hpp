@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <unordered_map>
@@ -12,6 +14,7 @@
 #include <vector>
 
 #include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/plan.hpp>
 #include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
@@ -45,7 +48,7 @@ struct RatePlannerOptions {
 /// the rest is. Where the published method commits to a tour over what is known, this one is paid
 /// for by what the next flight will discover. What was looked at in vain once, it leaves to others;
 /// and where a robot has just looked it does not look again for what that look has left, were it
-/// the best there is.
+/// the best there is. It remembers what it has seen of the map: one planner for one mission.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -61,10 +64,10 @@ class RatePlanner {
     const double range = request.camera.max_range;
     const SightTargets targets(make_targets(request), MapSight(request.observed), request.headings,
                                {.max_distance = options.sight_share * range});
-    FlightLattice<FreeSpace> lattice(request.free_space, request.free_space.options().bounds,
-                                     options.spacing_share * range);
+    FlightLattice<FreeSpace>& lattice = follow(request.free_space, options.spacing_share * range);
     const WorthAround around(targets.all(), targets.reach());
-    const Search search{request, lattice, targets, around};
+    const LookBound most(targets.all(), lattice, request.headings, targets.reach());
+    const Search search{request, lattice, targets, around, most};
     sites_.clear();
     std::vector<char> done(targets.size(), 0);
     broadest_ = 0.0;
@@ -120,6 +123,7 @@ class RatePlanner {
     FlightLattice<FreeSpace>& lattice;
     const SightTargets<>& targets;
     const WorthAround& around;
+    const LookBound& most;
   };
   struct Candidate {
     Configuration configuration;
@@ -168,20 +172,52 @@ class RatePlanner {
     return targets;
   }
 
+  /// The lattice of the mission's free space, as that is now.
+  FlightLattice<FreeSpace>& follow(const FreeSpace& space, double spacing) {
+    if (!lattice_ || space_of_lattice_ != &space || lattice_->spacing() != spacing ||
+        followed_ > space.revision()) {
+      lattice_.emplace(space, space.options().bounds, spacing);
+      space_of_lattice_ = &space;
+    } else {
+      for (const std::uint32_t slot : space.changed_since(followed_))
+        lattice_->forget(space.influence(slot));
+    }
+    followed_ = space.revision();
+    return *lattice_;
+  }
+
   /// What is in view from a place of the lattice, at first without asking what is in the way.
   struct View {
     std::vector<Sighting> seen;
-    bool in_sight = false;
+    std::size_t in_sight = 0;  // so many are known to be in sight, the rest may be
+    bool complete() const { return in_sight == seen.size(); }
   };
   View& view_from(const SightTargets<>& targets, std::size_t site, const Point3& position) {
     const auto [it, fresh] = sites_.try_emplace(site);
-    if (fresh) it->second.seen = targets.in_view(position);
+    if (fresh) {
+      const std::span<const Sighting> view = targets.in_view(position, buffer_);
+      it->second.seen.assign(view.begin(), view.end());
+    }
     return it->second;
   }
-  /// Leaves of a view what is really in sight.
-  static void look(const SightTargets<>& targets, const Point3& position, View& view) {
-    if (!view.in_sight) targets.keep_in_sight(position, view.seen);
-    view.in_sight = true;
+  /// Leaves of a view what is really in sight. `go_on(s)` is told of each target that is not, and
+  /// may put the rest off.
+  template <typename GoOn>
+  static void look(const SightTargets<>& targets, const Point3& position, View& view,
+                   GoOn&& go_on) {
+    MapSight sees = targets.sight();
+    std::size_t next = view.in_sight;
+    for (bool on = true; on && next < view.seen.size(); ++next) {
+      const Sighting& s = view.seen[next];
+      if (sees(position, targets[static_cast<std::size_t>(s.target)]))
+        view.seen[view.in_sight++] = s;
+      else
+        on = go_on(s);
+    }
+    const auto at = [&](std::size_t k) {
+      return view.seen.begin() + static_cast<std::ptrdiff_t>(k);
+    };
+    view.seen.erase(at(view.in_sight), at(next));
   }
 
   /// What is still in view from where a robot stands its look did not bring: so much worth there,
@@ -194,7 +230,7 @@ class RatePlanner {
         std::abs(wrap_angle(heading_angle(heading) - at.yaw)) > kSamePlace)
       return;
     View& view = view_from(s.targets, s.lattice.index(cell), place);
-    look(s.targets, place, view);
+    look(s.targets, place, view, [](const Sighting&) { return true; });
     std::vector<char> done(s.targets.size(), 0);
     const double worth =
         worth_by_heading(s.targets, view.seen, done)[static_cast<std::size_t>(heading)];
@@ -211,6 +247,7 @@ class RatePlanner {
   }
 
   static constexpr double kSamePlace = 0.02;  ///< [m, rad]
+  static constexpr double kRounding = 1e-9;   ///< Of sums of worth [m²].
   static constexpr double kMore = 1.1;  ///< Times what was left, for another look to be worth it.
 
   std::optional<Candidate> best_stop(const Search& s, std::span<const char> done,
@@ -222,6 +259,16 @@ class RatePlanner {
     for (int k = 0; k < kHeadings; ++k)
       turn[static_cast<std::size_t>(k)] =
           options.turn_cost * std::abs(wrap_angle(heading_angle(k) - from.yaw));
+    // Whether a look from a node could be the best, were it `way` metres from here.
+    const auto could_be_best = [&](const VoxelIndex& node, double way) {
+      if (!best) return true;
+      const double cost = way + options.stop_cost;
+      if (s.most.at_any_heading(node) <= best->rate * cost) return false;
+      const auto most = s.most(node);
+      for (std::size_t k = 0; k < kHeadings; ++k)
+        if (most[k] > best->rate * (cost + turn[k])) return true;
+      return false;
+    };
     const auto visit = [&](const auto& site) {
       const double cost = site.distance + options.stop_cost;
       const auto pays = [&](double worth) {
@@ -229,18 +276,29 @@ class RatePlanner {
       };
       if (!pays(s.around.largest())) return false;
       if (!pays(s.around(site.position))) return true;
+      if (!could_be_best(site.cell, site.distance)) return true;
       const std::size_t id = s.lattice.index(site.cell);
       View& view = view_from(s.targets, id, site.position);
       const auto better = [&](std::size_t k, double worth) {
         return worth > 0.0 && (!best || worth > best->rate * (cost + turn[k]));
       };
       auto worth = worth_by_heading(s.targets, view.seen, done);
-      if (!view.in_sight) {
-        // Rays are cast only where the view could be the best if nothing were in its way.
+      if (!view.complete()) {
+        // Rays are cast only as long as the view could be the best, or the broadest, if nothing
+        // were in the way of the rest.
         bool promising = false;
         for (std::size_t k = 0; k < kHeadings; ++k) promising |= better(k, worth[k]);
         if (!promising) return true;
-        look(s.targets, site.position, view);
+        look(s.targets, site.position, view, [&](const Sighting& hidden) {
+          const auto target = static_cast<std::size_t>(hidden.target);
+          if (done[target] != 0) return true;
+          for (unsigned bits = hidden.headings; bits != 0; bits &= bits - 1)
+            worth[static_cast<std::size_t>(std::countr_zero(bits))] -= s.targets[target].worth;
+          for (std::size_t k = 0; k < kHeadings; ++k)
+            if (better(k, worth[k] + kRounding) || worth[k] + kRounding > broadest_) return true;
+          return false;
+        });
+        if (!view.complete()) return true;
         worth = worth_by_heading(s.targets, view.seen, done);
       }
       for (std::size_t k = 0; k < kHeadings; ++k) {
@@ -271,7 +329,11 @@ class RatePlanner {
     return stop;
   }
 
+  std::optional<FlightLattice<FreeSpace>> lattice_;
+  const FreeSpace* space_of_lattice_ = nullptr;
+  std::uint64_t followed_ = 0;  // revision of that space
   std::unordered_map<std::size_t, View> sites_;
+  std::vector<Sighting> buffer_;
   // Targets are groups of elements, then predicted patches, then cells of unseen space.
   std::vector<std::vector<std::int32_t>> members_;  // elements by target
   SurfaceFrameMemory frames_;

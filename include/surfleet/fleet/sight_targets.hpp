@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -62,8 +61,14 @@ class HeadingTable {
         const Eigen::Vector3d d =
             unfold((u + 0.5) * 2.0 / kSide - 1.0, (v + 0.5) * 2.0 / kSide - 1.0);
         unsigned bits = 0;
-        for (unsigned k = 0; k < kHeadings; ++k)
-          if (camera.project(R_camera_world[k] * d)) bits |= 1U << k;
+        for (unsigned k = 0; k < kHeadings; ++k) {
+          if (!camera.project(R_camera_world[k] * d)) continue;
+          bits |= 1U << k;
+          for (const int du : {0, 1})
+            for (const int dv : {0, 1})
+              directions_[k].extend(
+                  unfold((u + du) * 2.0 / kSide - 1.0, (v + dv) * 2.0 / kSide - 1.0).normalized());
+        }
         headings_[static_cast<std::size_t>(v * kSide + u)] = static_cast<std::uint16_t>(bits);
       }
     nearest_ = camera.min_range *
@@ -92,6 +97,10 @@ class HeadingTable {
   }
   /// A cell without headings.
   static constexpr int kNowhere = kSide * kSide;
+  /// The box around the unit directions at a heading, cells by their corners.
+  const Box3& directions(int heading) const {
+    return directions_[static_cast<std::size_t>(heading)];
+  }
   /// From this distance on, the nearest depth is kept all over the image [m].
   double nearest() const { return nearest_; }
   /// The camera's farthest depth [m].
@@ -108,6 +117,7 @@ class HeadingTable {
   }
 
   std::array<std::uint16_t, kNowhere + 1> headings_{};
+  std::array<Box3, kHeadings> directions_;
   double nearest_ = 0.0, range_ = 0.0;
 };
 
@@ -173,29 +183,41 @@ class SightTargets {
         headings_(&headings),
         reach_(options.max_distance > 0.0 ? options.max_distance : headings.range()),
         rows_({.voxel_size = reach_ / kRows}) {
-    std::vector<std::tuple<int, int, double, std::int32_t>> order;
-    order.reserve(targets_.size());
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
-      const VoxelIndex row = row_of(targets_[i].position);
-      order.emplace_back(row.z(), row.y(), targets_[i].position.x(), static_cast<std::int32_t>(i));
+    const double least = std::cos(options.max_incidence);
+    std::vector<std::uint32_t> slots;  // of the targets' rows
+    slots.reserve(targets_.size());
+    for (const SightTarget& t : targets_) {
+      slots.push_back(rows_.ensure_slot(row_of(t.position)));
+      ++row(slots.back()).end;
     }
-    std::sort(order.begin(), order.end());
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      const auto& [z, y, x, id] = order[k];
+    std::size_t next = 0;
+    for (std::uint32_t slot = 0; slot < rows_.block_count(); ++slot) {
+      const std::size_t count = row(slot).end;
+      row(slot) = {next, next};
+      next += count;
+    }
+    std::vector<std::pair<double, std::int32_t>> order(targets_.size());  // x and target
+    for (std::size_t i = 0; i < targets_.size(); ++i)
+      order[row(slots[i]).end++] = {targets_[i].position.x(), static_cast<std::int32_t>(i)};
+    const auto at = [&](std::size_t k) { return order.begin() + static_cast<std::ptrdiff_t>(k); };
+    for (std::uint32_t slot = 0; slot < rows_.block_count(); ++slot)
+      std::sort(at(row(slot).begin), at(row(slot).end));
+    // A loop over lanes may read on beyond the last one.
+    for (auto* lanes : {&position_[0], &position_[1], &position_[2], &normal_[0], &normal_[1],
+                        &normal_[2], &least_cosine_})
+      lanes->reserve(targets_.size() + kLanes);
+    ids_.reserve(targets_.size());
+    for (const auto& [x, id] : order) {
       const SightTarget& t = targets_[static_cast<std::size_t>(id)];
-      Row& row = rows_.ensure({0, y, z});
-      if (row.begin == row.end) row.begin = k;
-      row.end = k + 1;
       ids_.push_back(id);
       for (std::size_t i = 0; i < 3; ++i) {
         const auto axis = static_cast<Eigen::Index>(i);
         position_[i].push_back(t.position[axis]);
         normal_[i].push_back(t.normal[axis]);
       }
-      const double cosine = t.normal.isZero() ? -1.0 : std::cos(options.max_incidence);
+      const double cosine = t.normal.isZero() ? -1.0 : least;
       least_cosine_.push_back(cosine * std::abs(cosine));
     }
-    // A loop over lanes may read on beyond the last one.
     for (auto* lanes : {&position_[0], &position_[1], &position_[2], &normal_[0], &normal_[1],
                         &normal_[2], &least_cosine_})
       lanes->resize(ids_.size() + kLanes, 0.0);
@@ -207,10 +229,9 @@ class SightTargets {
   /// Farthest look that counts [m].
   double reach() const { return reach_; }
 
-  /// The targets that would be in view from `p` if nothing were in the way. O(targets within
-  /// reach).
-  std::vector<Sighting> in_view(const Point3& p) const {
-    std::vector<Sighting> view;
+  /// The targets that would be in view from `p` if nothing were in the way, in the buffer, which
+  /// grows as needed: one a thread, for all places. O(targets within reach).
+  std::span<const Sighting> in_view(const Point3& p, std::vector<Sighting>& buffer) const {
     std::size_t count = 0;
     const double width = rows_.voxel_size();
     const VoxelIndex home = row_of(p);
@@ -229,31 +250,28 @@ class SightTargets {
         const auto low = std::lower_bound(at(row->begin), at(row->end), p.x() - half);
         const auto high = std::upper_bound(low, at(row->end), p.x() + half);
         const auto last = static_cast<std::size_t>(high - xs);
-        view.resize(count + static_cast<std::size_t>(high - low));
+        buffer.resize(std::max(buffer.size(), count + static_cast<std::size_t>(high - low)));
         for (auto k = static_cast<std::size_t>(low - xs); k < last; k += kLanes) {
           const std::array<int, kLanes> cells = cells_from(p, k);
           // Whether one is in view is as good as random, so it is written in any case.
           for (std::size_t i = 0; i < std::min(kLanes, last - k); ++i) {
             const std::uint16_t bits = (*headings_)[cells[i]];
-            view[count] = {ids_[k + i], bits};
+            buffer[count] = {ids_[k + i], bits};
             count += bits != 0 ? 1 : 0;
           }
         }
       }
-    view.resize(count);
-    return view;
+    return std::span<const Sighting>(buffer).first(count);
   }
-  /// Keeps what is really in sight of it. A line of sight each.
-  void keep_in_sight(const Point3& p, std::vector<Sighting>& view) const {
-    Sight sees = sight_;
-    std::erase_if(view, [&](const Sighting& s) {
-      return !sees(p, targets_[static_cast<std::size_t>(s.target)]);
-    });
-  }
-  /// Both: the targets in view from `p`, those of a row beside each other.
+  /// What tells whether a target shows from a place.
+  Sight sight() const { return sight_; }
+  /// The targets in view from `p` and in sight, those of a row beside each other. A line of sight
+  /// for each in view.
   std::vector<Sighting> seen_from(const Point3& p) const {
-    std::vector<Sighting> seen = in_view(p);
-    keep_in_sight(p, seen);
+    std::vector<Sighting> buffer, seen;
+    Sight sees = sight_;
+    for (const Sighting& s : in_view(p, buffer))
+      if (sees(p, targets_[static_cast<std::size_t>(s.target)])) seen.push_back(s);
     return seen;
   }
 
@@ -265,6 +283,7 @@ class SightTargets {
   static constexpr int kRows = 3;  // to the reach
   static constexpr std::size_t kLanes = 8;
 
+  Row& row(std::uint32_t slot) { return rows_.block(slot).voxels[0]; }
   VoxelIndex row_of(const Point3& p) const {
     VoxelIndex row = rows_.index_of(p);
     row.x() = 0;

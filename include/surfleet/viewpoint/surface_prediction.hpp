@@ -192,7 +192,10 @@ inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteEle
     Eigen::Vector3d position, normal;
     double count;
   };
-  VoxelGrid<Cell, 1> lattice({.voxel_size = step});
+  using Lattice = VoxelGrid<Cell, 4>;
+  Lattice lattice({.voxel_size = step});
+  BlockIndex index = BlockIndex::Zero();
+  Lattice::Block* block = nullptr;  // the last one; blocks stay where they are
   std::vector<Sum> sums;
   VoxelStateMap::Accessor state(map);
   const VoxelStateMap::Grid& grid = map.grid();
@@ -220,7 +223,12 @@ inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteEle
         }
         entered = true;
         if (!options.region.isEmpty() && !options.region.contains(p)) break;
-        std::int32_t& id = lattice.ensure(lattice.index_of(p)).patch[side];
+        const VoxelIndex cell = lattice.index_of(p);
+        if (const BlockIndex b = Lattice::block_of(cell); block == nullptr || b != index) {
+          block = &lattice.ensure_block(b);
+          index = b;
+        }
+        std::int32_t& id = block->voxels[Lattice::offset_of(cell)].patch[side];
         if (id < 0) {
           id = static_cast<std::int32_t>(sums.size());
           sums.push_back({p, frame->normal, 1.0});
