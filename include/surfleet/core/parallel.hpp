@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
@@ -22,7 +23,8 @@ class WorkerPool {
     return pool;
   }
 
-  /// Runs `job` on the caller and on `helpers` threads at once and waits for all of them.
+  /// Runs `job` on the caller and on up to `helpers` threads at once and waits for all of them.
+  /// Helpers that have not begun when the caller is done are not waited for.
   /// False if the pool is busy, which a nested call finds: the caller then works alone.
   bool run(int helpers, const std::function<void()>& job) {
     std::unique_lock<std::mutex> owner(owner_, std::try_to_lock);
@@ -31,13 +33,17 @@ class WorkerPool {
       std::lock_guard<std::mutex> lock(mutex_);
       while (static_cast<int>(threads_.size()) < helpers) threads_.emplace_back([this] { work(); });
       job_ = &job;
-      wanted_ = pending_ = helpers;
+      wanted_ = helpers;
     }
     wake_.notify_all();
     job();
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      wanted_ = 0;
+    }
+    if (soon([this] { return at_work_ == 0; })) return true;
     std::unique_lock<std::mutex> lock(mutex_);
-    done_.wait(lock, [this] { return pending_ == 0; });
-    job_ = nullptr;
+    done_.wait(lock, [this] { return at_work_ == 0; });
     return true;
   }
 
@@ -55,24 +61,39 @@ class WorkerPool {
     for (std::thread& t : threads_) t.join();
   }
   void work() {
-    std::unique_lock<std::mutex> lock(mutex_);
     for (;;) {
+      soon([this] { return wanted_ > 0; });
+      std::unique_lock<std::mutex> lock(mutex_);
       wake_.wait(lock, [this] { return stop_ || wanted_ > 0; });
       if (stop_) return;
       --wanted_;
+      ++at_work_;
       const std::function<void()>* job = job_;
       lock.unlock();
       (*job)();
       lock.lock();
-      if (--pending_ == 0) done_.notify_all();
+      if (--at_work_ == 0) done_.notify_all();
     }
   }
+  /// Waits without sleep, a little: waking up takes longer than many a loop does.
+  template <typename Condition>
+  static bool soon(Condition&& condition) {
+    const auto start = std::chrono::steady_clock::now();
+    do {
+      for (int i = 0; i < 16; ++i) {
+        if (condition()) return true;
+        std::this_thread::yield();
+      }
+    } while (std::chrono::steady_clock::now() - start < kPatience);
+    return false;
+  }
+  static constexpr std::chrono::microseconds kPatience{200};
 
   std::mutex owner_, mutex_;
   std::condition_variable wake_, done_;
   std::vector<std::thread> threads_;
   const std::function<void()>* job_ = nullptr;
-  int wanted_ = 0, pending_ = 0;
+  std::atomic<int> wanted_ = 0, at_work_ = 0;  // written under the mutex
   bool stop_ = false;
 };
 }  // namespace detail

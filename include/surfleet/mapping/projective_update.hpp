@@ -72,6 +72,8 @@ class ProjectiveUpdate {
 
  private:
   static constexpr float kFarthest = 1e7F;  ///< Greater depths count as this [m].
+  /// Few, so that no thread has much to do when the others are done.
+  static constexpr std::size_t kBlocksATime = 4;
 
   template <WeightPolicy Weight>
   std::size_t fold(const detail::ProjectiveView& view, const Weight& weight,
@@ -97,7 +99,7 @@ class ProjectiveUpdate {
                         0.0F)
                   changed_[i] = 1;
         },
-        16);
+        kBlocksATime);
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       if (changed_[i] != 0) blocks_[i].slot = map.ensure_slot(blocks_[i].index);
       changed_[i] = 0;
@@ -124,7 +126,7 @@ class ProjectiveUpdate {
           }
           changed_[i] = changed ? 1 : 0;
         },
-        16);
+        kBlocksATime);
     std::size_t count = 0;
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       if (changed_[i] == 0) continue;

@@ -68,7 +68,7 @@ struct ProjectiveView {
           }
           pyramid.fill_row(static_cast<int>(ty), depth_.data(), width, height);
         },
-        8);
+        2);
     pyramid.finish();
   }
 

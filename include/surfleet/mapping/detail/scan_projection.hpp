@@ -33,36 +33,35 @@ class ScanProjection {
     located_.resize(o.points.size());
     const double near2 = o.min_range * o.min_range, far2 = o.max_range * o.max_range;
     const bool beyond = options.carve_beyond_range && options.carve_free_space;
-    parallel_for(
-        o.points.size(), options.threads,
-        [&](std::size_t i) { located_[i] = locate(o.points[i], near2, far2, beyond); }, 2048);
+    parts_.resize((o.points.size() + kPart - 1) / kPart);
+    parallel_for(parts_.size(), options.threads, [&](std::size_t k) {
+      parts_[k].coarse.fill(0);
+      for (std::size_t i = k * kPart; i < std::min(o.points.size(), (k + 1) * kPart); ++i) {
+        const Located& p = located_[i] = locate(o.points[i], near2, far2, beyond);
+        if (p.face < 0) continue;
+        const auto cell = [](float x) {
+          return std::clamp(static_cast<int>((x + 1.0F) * 0.5F * kCoarse), 0, kCoarse - 1);
+        };
+        ++parts_[k].coarse[at((p.face * kCoarse + cell(p.y)) * kCoarse + cell(p.x))];
+      }
+    });
 
     // Density: points a cell over the cells of a coarse cube that hold any, in cells of equal
     // solid angle to within the cube's distortion, which is divided out.
-    constexpr int kCoarse = 24;
-    std::array<std::vector<float>, kFaces> coarse;
-    for (auto& c : coarse) c.assign(kCoarse * kCoarse, 0.0F);
-    for (const Located& p : located_) {
-      if (p.face < 0) continue;
-      const auto cell = [](float x) {
-        return std::clamp(static_cast<int>((x + 1.0F) * 0.5F * kCoarse), 0, kCoarse - 1);
-      };
-      coarse[static_cast<std::size_t>(p.face)]
-            [static_cast<std::size_t>(cell(p.y) * kCoarse + cell(p.x))] += 1.0F;
-    }
     double count = 0.0, solid_angle = 0.0;
-    for (const auto& face : coarse)
-      for (std::size_t i = 0; i < face.size(); ++i) {
-        if (face[i] == 0.0F) continue;
-        const double x = (static_cast<double>(i % kCoarse) + 0.5) * 2.0 / kCoarse - 1.0;
-        const double y = (static_cast<double>(i / kCoarse) + 0.5) * 2.0 / kCoarse - 1.0;
-        count += static_cast<double>(face[i]);
-        solid_angle += 4.0 / (kCoarse * kCoarse) / std::pow(1.0 + x * x + y * y, 1.5);
-      }
+    for (std::size_t i = 0; i < kCoarseCells; ++i) {
+      std::uint32_t points = 0;
+      for (const Part& part : parts_) points += part.coarse[i];
+      if (points == 0) continue;
+      const double x = (static_cast<double>(i % kCoarse) + 0.5) * 2.0 / kCoarse - 1.0;
+      const double y = (static_cast<double>(i / kCoarse % kCoarse) + 0.5) * 2.0 / kCoarse - 1.0;
+      count += points;
+      solid_angle += 4.0 / (kCoarse * kCoarse) / std::pow(1.0 + x * x + y * y, 1.5);
+    }
     const double per_pixel = kPointsPerPixel * solid_angle / std::max(count, 1.0);
     const double per_face = 2.0 * kPi / 3.0 / std::max(per_pixel, 1e-9);
     side_ = std::clamp(static_cast<int>(std::lround(std::sqrt(per_face))), 8, 2048);
-    sort_by_face();
+    sort_by_face(options.threads);
     bin(options);
   }
 
@@ -120,10 +119,19 @@ class ScanProjection {
 
   /// One of the six images, with `kPad` pixels around it that hold no point, to the right at least.
   struct Face {
-    std::vector<std::uint32_t> points;  ///< That may be in it, in the order of the scan.
     std::vector<Sample> samples;
     std::vector<char> any;  ///< Whether a run of `kLanes` pixels holds a point.
     std::size_t count = 0;
+  };
+
+  static constexpr int kCoarse = 24;
+  static constexpr std::size_t kCoarseCells = std::size_t{kFaces} * kCoarse * kCoarse;
+  static constexpr std::size_t kPart = 8192;
+  /// So many points of the scan: how many are in each coarse cell, and which may be in a face, in
+  /// the order of the scan.
+  struct Part {
+    std::array<std::uint32_t, kCoarseCells> coarse;
+    std::array<std::vector<std::uint32_t>, kFaces> points;
   };
 
   static constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -159,18 +167,20 @@ class ScanProjection {
   /// How far from its centre a face's margin reaches, as a multiple of the face itself.
   float reach() const { return 1.0F + 2.0F * kMargin / static_cast<float>(side_); }
 
-  void sort_by_face() {
-    for (Face& f : faces_) f.points.clear();
+  void sort_by_face(int threads) {
     const float to_margin = reach();
-    for (std::size_t i = 0; i < located_.size(); ++i) {
-      const Located& p = located_[i];
-      if (p.face < 0) continue;
-      const auto index = static_cast<std::uint32_t>(i);
-      if (std::max(std::abs(p.x), std::abs(p.y)) * to_margin < 1.0F)
-        faces_[at(p.face)].points.push_back(index);
-      else  // points just beyond a face's border fill its margin
-        for (Face& f : faces_) f.points.push_back(index);
-    }
+    parallel_for(parts_.size(), threads, [&](std::size_t k) {
+      for (auto& points : parts_[k].points) points.clear();
+      for (std::size_t i = k * kPart; i < std::min(located_.size(), (k + 1) * kPart); ++i) {
+        const Located& p = located_[i];
+        if (p.face < 0) continue;
+        const auto index = static_cast<std::uint32_t>(i);
+        if (std::max(std::abs(p.x), std::abs(p.y)) * to_margin < 1.0F)
+          parts_[k].points[at(p.face)].push_back(index);
+        else  // points just beyond a face's border fill its margin
+          for (auto& points : parts_[k].points) points.push_back(index);
+      }
+    });
   }
 
   void bin(const TsdfOptions& options) {
@@ -182,21 +192,21 @@ class ScanProjection {
       face.count = 0;
       const float step = static_cast<float>(options.max_slope) / focal(), to_margin = reach();
       const Eigen::Matrix3f to_face = axes(static_cast<int>(f)).transpose().cast<float>();
-      for (const std::uint32_t i : face.points) {
+      const auto add = [&](std::uint32_t i) {
         const Located& p = located_[i];
         float x = p.x, y = p.y, inverse = p.inverse;
         if (p.face != static_cast<int>(f)) {
           const Eigen::Vector3f q =
               to_face * (axes(p.face).cast<float>() * Eigen::Vector3f(x, y, 1.0F));
           if (q.z() < 0.5F || std::max(std::abs(q.x()), std::abs(q.y())) > q.z() * to_margin)
-            continue;
+            return;
           x = q.x() / q.z();
           y = q.y() / q.z();
           inverse /= q.z();
         }
         const float u = x * focal() + center(), v = y * focal() + center();
         const int iu = static_cast<int>(u + 0.5F), iv = static_cast<int>(v + 0.5F);
-        if (iu < 0 || iv < 0 || iu >= n || iv >= n) continue;
+        if (iu < 0 || iv < 0 || iu >= n || iv >= n) return;
         const Sample s{u - static_cast<float>(iu), v - static_cast<float>(iv), inverse};
         Sample& kept = face.samples[pixel(iu, iv)];
         ++face.count;
@@ -206,7 +216,9 @@ class ScanProjection {
         const bool similar = std::abs(s.inverse - kept.inverse) <= limit;
         const bool central = s.du * s.du + s.dv * s.dv < kept.du * kept.du + kept.dv * kept.dv;
         if (nearer || (similar && central)) kept = s;
-      }
+      };
+      for (const Part& part : parts_)
+        for (const std::uint32_t i : part.points[f]) add(i);
     });
   }
 
@@ -291,6 +303,7 @@ class ScanProjection {
   double max_range_ = 0.0;
   int side_ = 8;
   std::vector<Located> located_;
+  std::vector<Part> parts_;
   std::array<Face, kFaces> faces_;
 };
 }  // namespace surfleet::detail
