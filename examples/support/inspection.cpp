@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "support/cli.hpp"
+#include "support/peak_memory.hpp"
 #include "support/planners.hpp"
 
 #include <surfleet/evaluation/observable_surface.hpp>
@@ -134,17 +135,21 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
 InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
                              const InspectionProgress& progress) {
   const std::vector<Configuration> starts = site.starts(s, s.robots);
-  DroneWorld<EmbreeRayCaster> world(
-      site.caster, site.camera, forward_camera_mount(),
-      {.noise = s.noise, .body_radius = 0.5 * s.radius, .seed = s.seed});
-  Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site, starts), world,
-                                                           starts, planner_for(s));
   InspectionRun run;
-  const auto before = std::chrono::steady_clock::now();
-  mission.on_progress = [&](const MissionProgress& p) { return progress(p, mission.map()); };
-  run.result = mission.run();
-  run.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-  run.map = mission.take_map();
+  {
+    DroneWorld<EmbreeRayCaster> world(
+        site.caster, site.camera, forward_camera_mount(),
+        {.noise = s.noise, .body_radius = 0.5 * s.radius, .seed = s.seed});
+    Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site, starts),
+                                                             world, starts, planner_for(s));
+    const auto before = std::chrono::steady_clock::now();
+    mission.on_progress = [&](const MissionProgress& p) { return progress(p, mission.map()); };
+    run.result = mission.run();
+    run.wall_time =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    run.map = mission.take_map();
+    run.mission_memory = peak_memory();
+  }
   const TriangleMesh surface = extract_mesh(run.map, {.min_weight = 1e-6});
   run.reconstruction = cropped(surface, site.scene.region);
   std::vector<std::vector<Point3>> paths;

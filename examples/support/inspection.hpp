@@ -52,7 +52,8 @@ struct InspectionRun {
   TriangleMesh reconstruction;  ///< Cut to the region, without the ground.
   ReconstructionEvaluation evaluation;
   JudgeReport judged;
-  double wall_time = 0.0;  ///< Of the mission alone [s].
+  double wall_time = 0.0;          ///< Of the mission alone [s].
+  std::size_t mission_memory = 0;  ///< The process's largest until the mission's end [bytes].
 };
 
 /// Told about once a simulated second; ends the mission by returning false.

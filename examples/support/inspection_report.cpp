@@ -44,6 +44,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"completion_time_s", run.result.completion_time},
           {"planning_time_s", run.result.planning_time},
           {"wall_time_s", run.wall_time},
+          {"mission_peak_memory_bytes", run.mission_memory},
           {"peak_memory_bytes", peak_memory()},
           {"total_path_length_m", run.result.total_path_length()},
           {"path_length_m", run.result.path_length},

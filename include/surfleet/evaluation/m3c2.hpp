@@ -176,29 +176,41 @@ inline M3C2Result m3c2(const PointCloud& core, const PointCloud& reference,
   M3C2Result result;
   result.distance.assign(core.size(), kNone);
   result.level_of_detection.assign(core.size(), kNone);
-  const KdTree reference_tree(reference.points), compared_tree(compared.points);
-  constexpr std::size_t kGrain = 256;
-  parallel_for((core.size() + kGrain - 1) / kGrain, options.threads, [&](std::size_t chunk) {
-    std::vector<double> scratch;
-    for (std::size_t i = chunk * kGrain; i < std::min(core.size(), (chunk + 1) * kGrain); ++i) {
-      const Eigen::Vector3d axis = normals[i].cast<double>().stableNormalized();
-      if (!(axis.squaredNorm() > 0.5)) continue;
-      const auto look = [&](const KdTree& tree, const PointCloud& cloud) {
-        return detail::cylinder_statistics(tree, cloud.points, core.points[i], axis,
-                                           0.5 * options.projection_scale, options.max_depth,
-                                           options.median, scratch);
-      };
-      const detail::CylinderStatistics b = look(compared_tree, compared);
-      if (b.count == 0) continue;
-      const detail::CylinderStatistics a = look(reference_tree, reference);
-      if (a.count == 0) continue;
-      result.distance[i] = b.position - a.position;
-      if (std::min(a.count, b.count) >= std::max<std::size_t>(options.min_points, 2))
-        result.level_of_detection[i] =
-            1.96 * std::sqrt(a.deviation * a.deviation / static_cast<double>(a.count) +
-                             b.deviation * b.deviation / static_cast<double>(b.count)) +
-            options.registration_error;
-    }
+  // One cloud after the other, so that there is never more than one tree: first the mean's place
+  // in the compared cloud and its variance, then the same of the reference taken from it.
+  const std::size_t fewest = std::max<std::size_t>(options.min_points, 2);
+  const auto look = [&](const PointCloud& cloud, auto&& take) {
+    const KdTree tree(cloud.points);
+    constexpr std::size_t kGrain = 256;
+    parallel_for((core.size() + kGrain - 1) / kGrain, options.threads, [&](std::size_t chunk) {
+      std::vector<double> scratch;
+      for (std::size_t i = chunk * kGrain; i < std::min(core.size(), (chunk + 1) * kGrain); ++i) {
+        const Eigen::Vector3d axis = normals[i].cast<double>().stableNormalized();
+        if (!(axis.squaredNorm() > 0.5)) continue;
+        take(i, [&] {
+          return detail::cylinder_statistics(tree, cloud.points, core.points[i], axis,
+                                             0.5 * options.projection_scale, options.max_depth,
+                                             options.median, scratch);
+        });
+      }
+    });
+  };
+  const auto variance_of_mean = [&](const detail::CylinderStatistics& s) {
+    return s.count < fewest ? kNone : s.deviation * s.deviation / static_cast<double>(s.count);
+  };
+  look(compared, [&](std::size_t i, auto&& cylinder) {
+    const detail::CylinderStatistics b = cylinder();
+    if (b.count == 0) return;
+    result.distance[i] = b.position;
+    result.level_of_detection[i] = variance_of_mean(b);
+  });
+  look(reference, [&](std::size_t i, auto&& cylinder) {
+    if (std::isnan(result.distance[i])) return;
+    const detail::CylinderStatistics a = cylinder();
+    result.distance[i] = a.count == 0 ? kNone : result.distance[i] - a.position;
+    result.level_of_detection[i] =
+        1.96 * std::sqrt(variance_of_mean(a) + result.level_of_detection[i]) +
+        options.registration_error;
   });
   result.statistics = distance_statistics(result.distance);
   for (std::size_t i = 0; i < core.size(); ++i)

@@ -35,6 +35,11 @@ inline SurfaceSamples select(const SurfaceSamples& samples, const std::vector<st
   require(keep.size() == samples.size(), "selection: expected one entry a sample");
   SurfaceSamples kept;
   kept.area_per_sample = samples.area_per_sample;
+  const auto count =
+      keep.size() - static_cast<std::size_t>(std::count(keep.begin(), keep.end(), 0));
+  kept.cloud.points.reserve(count);
+  kept.cloud.normals.reserve(count);
+  kept.triangles.reserve(count);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (keep[i] == 0) continue;
     kept.cloud.points.push_back(samples.cloud.points[i]);

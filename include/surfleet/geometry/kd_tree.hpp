@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -46,16 +47,15 @@ concept NeighborIndex = requires(const I& index, const Point3& p, std::size_t k,
 class KdTree {
  public:
   KdTree() = default;
-  explicit KdTree(std::span<const Point3> points)
-      : points_(points.begin(), points.end()), index_(points.size()) {
+  explicit KdTree(std::span<const Point3> points) : index_(points.size()) {
     std::iota(index_.begin(), index_.end(), 0);
-    if (points_.empty()) return;
+    if (points.empty()) return;
+    // Halved until a bucket holds it: as many leaves as there are at most, and their parents.
+    nodes_.reserve(2 * std::bit_ceil((points.size() + kBucket - 1) / kBucket) - 1);
     nodes_.emplace_back();
-    split(0, 0, points_.size());
-    std::vector<Point3> ordered(points_.size());
-    for (std::size_t i = 0; i < index_.size(); ++i)
-      ordered[i] = points_[static_cast<std::size_t>(index_[i])];
-    points_ = std::move(ordered);
+    split(points, 0, 0, points.size());
+    points_.reserve(points.size());
+    for (const std::int32_t i : index_) points_.push_back(points[static_cast<std::size_t>(i)]);
   }
 
   std::size_t size() const { return points_.size(); }
@@ -126,10 +126,10 @@ class KdTree {
     std::uint32_t child = 0;           // the left one, the right one after it; 0 in a leaf
   };
 
-  void split(std::uint32_t at, std::size_t begin, std::size_t end) {
+  void split(std::span<const Point3> points, std::uint32_t at, std::size_t begin, std::size_t end) {
     Box3 box;
     for (std::size_t i = begin; i < end; ++i)
-      box.extend(points_[static_cast<std::size_t>(index_[i])]);
+      box.extend(points[static_cast<std::size_t>(index_[i])]);
     nodes_[at].box = box;
     nodes_[at].begin = static_cast<std::uint32_t>(begin);
     nodes_[at].end = static_cast<std::uint32_t>(end);
@@ -142,15 +142,15 @@ class KdTree {
     };
     std::nth_element(iterator(begin), iterator(middle), iterator(end),
                      [&](std::int32_t a, std::int32_t b) {
-                       const double x = points_[static_cast<std::size_t>(a)][axis];
-                       const double y = points_[static_cast<std::size_t>(b)][axis];
+                       const double x = points[static_cast<std::size_t>(a)][axis];
+                       const double y = points[static_cast<std::size_t>(b)][axis];
                        return x != y ? x < y : a < b;
                      });
     const auto child = static_cast<std::uint32_t>(nodes_.size());
     nodes_[at].child = child;
     nodes_.resize(nodes_.size() + 2);
-    split(child, begin, middle);
-    split(child + 1, middle, end);
+    split(points, child, begin, middle);
+    split(points, child + 1, middle, end);
   }
 
   template <typename Bound, typename Use>
