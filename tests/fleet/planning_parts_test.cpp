@@ -148,6 +148,19 @@ TEST(lattice_search_follows_the_space_where_it_is_told_to) {
   kept.forget(Box3());
 }
 
+/// Targets of any worth, to be seen from any side, all over a box.
+std::vector<SightTarget> scattered_targets(Random& random, int count, const Box3& box) {
+  std::vector<SightTarget> targets;
+  for (int i = 0; i < count; ++i) {
+    SightTarget t;
+    for (int axis = 0; axis < 3; ++axis)
+      t.position[axis] = random.uniform(box.min()[axis], box.max()[axis]);
+    t.worth = random.uniform(0.1, 2.0);
+    targets.push_back(t);
+  }
+  return targets;
+}
+
 TEST(look_bound_is_never_below_what_is_in_view) {
   // A camera that looks down a little, and targets beyond the lattice on all sides.
   const PinholeCamera camera =
@@ -156,17 +169,12 @@ TEST(look_bound_is_never_below_what_is_in_view) {
   mount.rotate(Eigen::AngleAxisd(-0.4, Eigen::Vector3d::UnitX()));
   const HeadingTable headings(camera, mount);
   Random random(8);
-  std::vector<SightTarget> all;
-  for (int i = 0; i < 3000; ++i) {
-    SightTarget t;
-    t.position = Point3(random.uniform(-9, 11), random.uniform(-8, 12), random.uniform(-6, 9));
-    t.worth = random.uniform(0.1, 2.0);
-    all.push_back(t);
-  }
   struct Anything {
     bool operator()(const Point3&, const SightTarget&) const { return true; }
   };
-  const SightTargets<Anything> targets(all, Anything{}, headings);
+  const SightTargets<Anything> targets(
+      scattered_targets(random, 3000, {Point3(-9, -8, -6), Point3(11, 12, 9)}), Anything{},
+      headings);
   const Slab slab;
   const FlightLattice<Slab> lattice(slab, {Point3(-3, -2, 0), Point3(5, 6, 3)}, 0.7);
   const LookBound most(targets.all(), lattice, headings, targets.reach());
@@ -208,13 +216,8 @@ TEST(look_bound_is_never_below_what_is_in_view) {
 
 TEST(worth_around_bounds_what_a_look_can_see) {
   Random random(3);
-  std::vector<SightTarget> targets;
-  for (int i = 0; i < 300; ++i) {
-    SightTarget t;
-    t.position = Point3(random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9));
-    t.worth = random.uniform(0.1, 2.0);
-    targets.push_back(t);
-  }
+  const std::vector<SightTarget> targets =
+      scattered_targets(random, 300, {Point3::Constant(-9), Point3::Constant(9)});
   const double reach = 2.5;
   const WorthAround around(targets, reach);
   double most = 0.0;
