@@ -276,8 +276,12 @@ class RatePlanner {
       };
       if (!pays(s.around.largest())) return false;
       if (!pays(s.around(site.position))) return true;
-      if (!could_be_best(site.cell, site.distance)) return true;
       const std::size_t id = s.lattice.index(site.cell);
+      // What has been looked at already costs nothing, and may be the broadest look.
+      const auto looked = sites_.find(id);
+      if ((looked == sites_.end() || !looked->second.complete()) &&
+          !could_be_best(site.cell, site.distance))
+        return true;
       View& view = view_from(s.targets, id, site.position);
       const auto better = [&](std::size_t k, double worth) {
         return worth > 0.0 && (!best || worth > best->rate * (cost + turn[k]));
