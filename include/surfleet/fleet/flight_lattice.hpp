@@ -43,8 +43,7 @@ class FlightLattice {
     for_each_index(VoxelIndex::Constant(-1), VoxelIndex::Ones(), [&](const VoxelIndex& step) {
       if (step.isZero()) return;
       const int direction = (step.x() + 1) + 3 * ((step.y() + 1) + 3 * (step.z() + 1));
-      steps_.push_back(
-          {step, spacing * std::sqrt(static_cast<double>(step.squaredNorm())), direction});
+      steps_.push_back({step, std::sqrt(static_cast<double>(step.squaredNorm())), direction});
     });
   }
 
@@ -133,7 +132,7 @@ class FlightLattice {
           const VoxelIndex c = cell + step.cells;
           if (!inside(c)) continue;
           const std::size_t i = index(c);
-          const double d = e.distance + step.length;
+          const double d = e.distance + spacing_ * step.length;
           if (closed[i] != 0 || static_cast<float>(d) >= best[i] || !is_free(c, i) ||
               !is_free_edge(cell, e.index, c, step.direction))
             continue;
@@ -168,7 +167,7 @@ class FlightLattice {
  private:
   struct Step {
     VoxelIndex cells;
-    double length;  // [m]
+    double length;  // [spacings]
     int direction;
   };
   VoxelIndex cell_of(std::size_t i) const {
