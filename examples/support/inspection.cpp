@@ -136,7 +136,7 @@ InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
                              const InspectionProgress& progress) {
   const std::vector<Configuration> starts = site.starts(s, s.robots);
   InspectionRun run;
-  {
+  {  // What the mission holds is given back before it is judged.
     DroneWorld<EmbreeRayCaster> world(
         site.caster, site.camera, forward_camera_mount(),
         {.noise = s.noise, .body_radius = 0.5 * s.radius, .seed = s.seed});

@@ -66,6 +66,25 @@ void grid_laws(int reach) {
 }
 }  // namespace
 
+TEST(writer_makes_and_finds_what_the_grid_does) {
+  // Walks that stay in a block, leave it, come back, and make blocks enough to grow the table.
+  VoxelGrid<int, 4> written({.voxel_size = 0.1}), expected({.voxel_size = 0.1});
+  VoxelGrid<int, 4>::Writer write(written);
+  Random random(4);
+  VoxelIndex v(0, 0, 0);
+  for (int step = 0; step < 20000; ++step) {
+    if (step % 100 == 0) v = random_index(random, 60);
+    v[step % 3] += random.uniform() < 0.5 ? -1 : 1;
+    write.ensure(v) += step;
+    expected.ensure(v) += step;
+  }
+  CHECK(written.block_count() == expected.block_count());
+  expected.for_each_block([&](const auto& block) {
+    const auto* own = written.find_block(block.index);
+    CHECK(own != nullptr && own->voxels == block.voxels);
+  });
+}
+
 TEST(grid_equals_a_map) {
   grid_laws<8>(20);
   grid_laws<8>(1 << 28);

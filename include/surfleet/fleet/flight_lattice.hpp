@@ -52,6 +52,7 @@ class FlightLattice {
   VoxelIndex nearest(const Point3& p) const {
     return ((p - origin_) / spacing_).array().round().cast<int>();
   }
+  const Free& space() const { return *free_; }
   double spacing() const { return spacing_; }
   VoxelIndex count() const { return count_; }  ///< Nodes along each axis.
   std::size_t index(const VoxelIndex& c) const {

@@ -24,24 +24,23 @@ class LookBound {
   LookBound(std::span<const SightTarget> targets, const FlightLattice<Free>& lattice,
             const HeadingTable& headings, double reach)
       : cell_(lattice.spacing()) {
-    VoxelIndex low = VoxelIndex::Zero(), high = VoxelIndex::Zero();
+    any_ = {VoxelIndex::Zero(), VoxelIndex::Zero()};
     for (int k = 0; k < kHeadings; ++k) {
       // A target at distance d in [nearest, reach] is d times its direction away.
       const Box3& directions = headings.directions(k);
+      Cells& box = boxes_[static_cast<std::size_t>(k)];
       for (int i = 0; i < 3; ++i) {
         const double least = directions.min()[i], most = directions.max()[i];
         const double from = least < 0.0 ? least * reach : least * headings.nearest();
         const double to = most > 0.0 ? most * reach : most * headings.nearest();
-        boxes_[static_cast<std::size_t>(k)].low[i] = cell_at(from - kSlack * reach);
-        boxes_[static_cast<std::size_t>(k)].high[i] = cell_at(to + kSlack * reach) + 1;
+        box.low[i] = cell_at(from - kSlack * reach);
+        box.high[i] = cell_at(to + kSlack * reach) + 1;
       }
-      low = low.cwiseMin(boxes_[static_cast<std::size_t>(k)].low);
-      high = high.cwiseMax(boxes_[static_cast<std::size_t>(k)].high);
+      any_ = {any_.low.cwiseMin(box.low), any_.high.cwiseMax(box.high)};
     }
-    any_ = {low, high};
     const VoxelIndex last = lattice.count() - VoxelIndex::Ones();
-    size_ = last + high - low + VoxelIndex::Ones();  // one more than cells
-    shift_ = -low;
+    size_ = last + any_.high - any_.low + VoxelIndex::Ones();  // one more than cells
+    shift_ = -any_.low;
     sums_.assign(static_cast<std::size_t>(size_.cast<double>().prod()), 0.0);
     const Point3 origin = lattice.position(VoxelIndex::Zero());
     for (const SightTarget& t : targets) {
@@ -63,7 +62,7 @@ class LookBound {
           row[x] = run + before[x] + below[x] - both[x];
         }
       }
-    slack_ = sums_.empty() ? 0.0 : kRounding * sums_.back();
+    slack_ = kRounding * sums_.back();
   }
 
   /// For every heading at once. O(headings).
@@ -80,7 +79,6 @@ class LookBound {
   struct Cells {
     VoxelIndex low, high;  // to before `high`
   };
-  static constexpr int kFine = 1;            // cells to a step of the lattice
   static constexpr double kSlack = 0.01;     // that boxes are wider than views, of the reach
   static constexpr double kRounding = 1e-9;  // of all worth
 

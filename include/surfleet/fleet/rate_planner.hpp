@@ -174,10 +174,9 @@ class RatePlanner {
 
   /// The lattice of the mission's free space, as that is now.
   FlightLattice<FreeSpace>& follow(const FreeSpace& space, double spacing) {
-    if (!lattice_ || space_of_lattice_ != &space || lattice_->spacing() != spacing ||
+    if (!lattice_ || &lattice_->space() != &space || lattice_->spacing() != spacing ||
         followed_ > space.revision()) {
       lattice_.emplace(space, space.options().bounds, spacing);
-      space_of_lattice_ = &space;
     } else {
       for (const std::uint32_t slot : space.changed_since(followed_))
         lattice_->forget(space.influence(slot));
@@ -259,48 +258,45 @@ class RatePlanner {
     for (int k = 0; k < kHeadings; ++k)
       turn[static_cast<std::size_t>(k)] =
           options.turn_cost * std::abs(wrap_angle(heading_angle(k) - from.yaw));
-    // Whether a look from a node could be the best, were it `way` metres from here.
-    const auto could_be_best = [&](const VoxelIndex& node, double way) {
-      if (!best) return true;
-      const double cost = way + options.stop_cost;
-      if (s.most.at_any_heading(node) <= best->rate * cost) return false;
-      const auto most = s.most(node);
+    const auto beats = [&](double worth, double cost) {
+      return !best || worth > best->rate * cost;
+    };
+    const auto any_heading = [](auto&& holds) {
       for (std::size_t k = 0; k < kHeadings; ++k)
-        if (most[k] > best->rate * (cost + turn[k])) return true;
+        if (holds(k)) return true;
       return false;
     };
     const auto visit = [&](const auto& site) {
       const double cost = site.distance + options.stop_cost;
-      const auto pays = [&](double worth) {
-        return !best || options.view_share * worth > best->rate * cost;
+      const auto pays = [&](double worth) { return beats(options.view_share * worth, cost); };
+      const auto could_be_best = [&] {
+        if (!beats(s.most.at_any_heading(site.cell), cost)) return false;
+        const auto most = s.most(site.cell);
+        return any_heading([&](std::size_t k) { return beats(most[k], cost + turn[k]); });
       };
       if (!pays(s.around.largest())) return false;
       if (!pays(s.around(site.position))) return true;
       const std::size_t id = s.lattice.index(site.cell);
       // What has been looked at already costs nothing, and may be the broadest look.
       const auto looked = sites_.find(id);
-      if ((looked == sites_.end() || !looked->second.complete()) &&
-          !could_be_best(site.cell, site.distance))
-        return true;
+      if ((looked == sites_.end() || !looked->second.complete()) && !could_be_best()) return true;
       View& view = view_from(s.targets, id, site.position);
       const auto better = [&](std::size_t k, double worth) {
-        return worth > 0.0 && (!best || worth > best->rate * (cost + turn[k]));
+        return worth > 0.0 && beats(worth, cost + turn[k]);
       };
       auto worth = worth_by_heading(s.targets, view.seen, done);
       if (!view.complete()) {
         // Rays are cast only as long as the view could be the best, or the broadest, if nothing
         // were in the way of the rest.
-        bool promising = false;
-        for (std::size_t k = 0; k < kHeadings; ++k) promising |= better(k, worth[k]);
-        if (!promising) return true;
+        if (!any_heading([&](std::size_t k) { return better(k, worth[k]); })) return true;
         look(s.targets, site.position, view, [&](const Sighting& hidden) {
           const auto target = static_cast<std::size_t>(hidden.target);
           if (done[target] != 0) return true;
           for (unsigned bits = hidden.headings; bits != 0; bits &= bits - 1)
             worth[static_cast<std::size_t>(std::countr_zero(bits))] -= s.targets[target].worth;
-          for (std::size_t k = 0; k < kHeadings; ++k)
-            if (better(k, worth[k] + kRounding) || worth[k] + kRounding > broadest_) return true;
-          return false;
+          return any_heading([&](std::size_t k) {
+            return better(k, worth[k] + kRounding) || worth[k] + kRounding > broadest_;
+          });
         });
         if (!view.complete()) return true;
         worth = worth_by_heading(s.targets, view.seen, done);
@@ -334,8 +330,7 @@ class RatePlanner {
   }
 
   std::optional<FlightLattice<FreeSpace>> lattice_;
-  const FreeSpace* space_of_lattice_ = nullptr;
-  std::uint64_t followed_ = 0;  // revision of that space
+  std::uint64_t followed_ = 0;  // revision of its space
   std::unordered_map<std::size_t, View> sites_;
   std::vector<Sighting> buffer_;
   // Targets are groups of elements, then predicted patches, then cells of unseen space.

@@ -78,7 +78,7 @@ class RayTraversalUpdate {
     for (std::size_t i = 0; i < kParts; ++i) parts.emplace_back(VoxelGridOptions{h});
     parallel_for(kParts, options.threads, [&](std::size_t part) {
       SumGrid& sums = parts[part];
-      SumGrid::Block* block = nullptr;
+      SumGrid::Writer write(sums);
       for (std::size_t i = part * rays / kParts; i < (part + 1) * rays / kParts; ++i) {
         const Ray ray = ray_at(i);
         if (ray.length <= 0.0) continue;
@@ -95,9 +95,7 @@ class RayTraversalUpdate {
           if (along <= 0.0 || (beyond && along > ray.limit)) return true;
           const double sdf = ray.length - along;
           if (sdf <= -mu || (sdf >= mu && !options.carve_free_space)) return true;
-          const BlockIndex b = SumGrid::block_of(v);
-          if (block == nullptr || block->index != b) block = &sums.ensure_block(b);
-          Sum& sum = block->voxels[SumGrid::offset_of(v)];
+          Sum& sum = write.ensure(v);
           sum.distance += std::llround(std::min(sdf, mu) / mu * kUnit);
           ++sum.rays;
           return true;

@@ -178,6 +178,21 @@ class VoxelGrid {
   };
   Accessor accessor() const { return Accessor(*this); }
 
+  /// The same for writing: `ensure` that remembers the last block. Marks nothing.
+  class Writer {
+   public:
+    explicit Writer(VoxelGrid& grid) : grid_(&grid) {}
+    Voxel& ensure(const VoxelIndex& v) {
+      const BlockIndex b = block_of(v);
+      if (block_ == nullptr || block_->index != b) block_ = &grid_->ensure_block(b);
+      return block_->voxels[offset_of(v)];
+    }
+
+   private:
+    VoxelGrid* grid_;
+    Block* block_ = nullptr;  // blocks stay where they are
+  };
+
   // -- changes -----------------------------------------------------------------------------------
   /// Number of the latest change; a cursor for `changed_since`.
   std::uint64_t revision() const { return revision_; }

@@ -194,8 +194,7 @@ inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteEle
   };
   using Lattice = VoxelGrid<Cell, 4>;
   Lattice lattice({.voxel_size = step});
-  BlockIndex index = BlockIndex::Zero();
-  Lattice::Block* block = nullptr;  // the last one; blocks stay where they are
+  Lattice::Writer cells(lattice);
   std::vector<Sum> sums;
   VoxelStateMap::Accessor state(map);
   const VoxelStateMap::Grid& grid = map.grid();
@@ -223,12 +222,7 @@ inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteEle
         }
         entered = true;
         if (!options.region.isEmpty() && !options.region.contains(p)) break;
-        const VoxelIndex cell = lattice.index_of(p);
-        if (const BlockIndex b = Lattice::block_of(cell); block == nullptr || b != index) {
-          block = &lattice.ensure_block(b);
-          index = b;
-        }
-        std::int32_t& id = block->voxels[Lattice::offset_of(cell)].patch[side];
+        std::int32_t& id = cells.ensure(lattice.index_of(p)).patch[side];
         if (id < 0) {
           id = static_cast<std::int32_t>(sums.size());
           sums.push_back({p, frame->normal, 1.0});

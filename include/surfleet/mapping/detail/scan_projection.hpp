@@ -34,15 +34,15 @@ class ScanProjection {
     const double near2 = o.min_range * o.min_range, far2 = o.max_range * o.max_range;
     const bool beyond = options.carve_beyond_range && options.carve_free_space;
     parts_.resize((o.points.size() + kPart - 1) / kPart);
-    parallel_for(parts_.size(), options.threads, [&](std::size_t k) {
-      parts_[k].coarse.fill(0);
-      for (std::size_t i = k * kPart; i < std::min(o.points.size(), (k + 1) * kPart); ++i) {
+    for_each_part(options.threads, [&](Part& part, std::size_t begin, std::size_t end) {
+      part.coarse.fill(0);
+      for (std::size_t i = begin; i < end; ++i) {
         const Located& p = located_[i] = locate(o.points[i], near2, far2, beyond);
         if (p.face < 0) continue;
         const auto cell = [](float x) {
           return std::clamp(static_cast<int>((x + 1.0F) * 0.5F * kCoarse), 0, kCoarse - 1);
         };
-        ++parts_[k].coarse[at((p.face * kCoarse + cell(p.y)) * kCoarse + cell(p.x))];
+        ++part.coarse[at((p.face * kCoarse + cell(p.y)) * kCoarse + cell(p.x))];
       }
     });
 
@@ -167,18 +167,26 @@ class ScanProjection {
   /// How far from its centre a face's margin reaches, as a multiple of the face itself.
   float reach() const { return 1.0F + 2.0F * kMargin / static_cast<float>(side_); }
 
+  /// Calls `fn(part, begin, end)` with every part and its points' range in the scan.
+  template <typename Fn>
+  void for_each_part(int threads, Fn&& fn) {
+    parallel_for(parts_.size(), threads, [&](std::size_t k) {
+      fn(parts_[k], k * kPart, std::min(located_.size(), (k + 1) * kPart));
+    });
+  }
+
   void sort_by_face(int threads) {
     const float to_margin = reach();
-    parallel_for(parts_.size(), threads, [&](std::size_t k) {
-      for (auto& points : parts_[k].points) points.clear();
-      for (std::size_t i = k * kPart; i < std::min(located_.size(), (k + 1) * kPart); ++i) {
+    for_each_part(threads, [&](Part& part, std::size_t begin, std::size_t end) {
+      for (auto& points : part.points) points.clear();
+      for (std::size_t i = begin; i < end; ++i) {
         const Located& p = located_[i];
         if (p.face < 0) continue;
         const auto index = static_cast<std::uint32_t>(i);
         if (std::max(std::abs(p.x), std::abs(p.y)) * to_margin < 1.0F)
-          parts_[k].points[at(p.face)].push_back(index);
+          part.points[at(p.face)].push_back(index);
         else  // points just beyond a face's border fill its margin
-          for (auto& points : parts_[k].points) points.push_back(index);
+          for (auto& points : part.points) points.push_back(index);
       }
     });
   }
