@@ -85,6 +85,21 @@ TEST(writer_makes_and_finds_what_the_grid_does) {
   });
 }
 
+TEST(blocks_filled_outside_are_taken_over) {
+  VoxelGrid<int> grid;
+  for (int i = 0; i < 200; ++i) {  // enough for the table to grow
+    auto block = std::make_unique<VoxelGrid<int>::Block>();
+    block->index = BlockIndex(i, -i, 7);
+    block->voxels[3] = i;
+    CHECK(grid.adopt(std::move(block)) == static_cast<std::uint32_t>(i));
+  }
+  for (int i = 0; i < 200; ++i) {
+    const auto* block = grid.find_block(BlockIndex(i, -i, 7));
+    CHECK(block != nullptr && block->voxels[3] == i && block->voxels[4] == 0);
+    CHECK(grid.ensure_slot(BlockIndex(i, -i, 7)) == static_cast<std::uint32_t>(i));
+  }
+}
+
 TEST(grid_equals_a_map) {
   grid_laws<8>(20);
   grid_laws<8>(1 << 28);

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include <surfleet/mapping/detail/projective_view.hpp>
@@ -48,12 +50,12 @@ class ProjectiveUpdate {
         options.carve_beyond_range && options.carve_free_space ? kFarthest : view_.z_limit;
     view_.fill(options.threads, [&](int v, float* out) {
       const float* in = o.image.depth.data() + o.image.index(0, v);
-      for (int u = 0; u < camera.width; ++u) {
+      const float least = nearest, most = farthest;  // locals, so that the loop is vector code
+      for (int u = 0, n = camera.width; u < n; ++u) {
         const float d = in[u];
-        const bool measured =
-            (d > 0.0F) & (d >= nearest) & (d <= std::numeric_limits<float>::max());
+        const bool measured = (d > 0.0F) & (d >= least) & (d <= std::numeric_limits<float>::max());
         const float near_enough = std::min(d, kFarthest);
-        out[u] = (measured & (near_enough <= farthest)) ? near_enough : detail::kNoDepth;
+        out[u] = (measured & (near_enough <= most)) ? near_enough : detail::kNoDepth;
       }
     });
     return fold(view_, weight, options, map);
@@ -82,28 +84,7 @@ class ProjectiveUpdate {
     detail::ViewedBlockSearch search(view, map, options.truncation, options.carve_free_space);
     search.run(blocks_);
     changed_.assign(blocks_.size(), 0);
-
-    // Blocks not made yet are made only if the view has something to say of them.
-    parallel_for(
-        blocks_.size(), options.threads,
-        [&](std::size_t i) {
-          const detail::ViewedBlock& b = blocks_[i];
-          if (b.slot != TsdfMap::kNone) return;
-          changed_[i] = b.free ? 1 : 0;
-          BlockObserver observer(view, options, map.voxel_size(), b.index);
-          for (int z = 0; z < BlockObserver::kSide && changed_[i] == 0; ++z)
-            if (observer.observe(z))
-              for (std::size_t n = 0; n < BlockObserver::kSlice && changed_[i] == 0; ++n)
-                if (observer.seen[n] > 0.0F &&
-                    detail::observation_weight(weight, observer.sdf[n], observer.squared_range[n]) >
-                        0.0F)
-                  changed_[i] = 1;
-        },
-        kBlocksATime);
-    for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      if (changed_[i] != 0) blocks_[i].slot = map.ensure_slot(blocks_[i].index);
-      changed_[i] = 0;
-    }
+    made_.resize(blocks_.size());
 
     const auto truncation = static_cast<float>(options.truncation);
     const auto max_weight = static_cast<float>(options.max_weight);
@@ -111,17 +92,26 @@ class ProjectiveUpdate {
         blocks_.size(), options.threads,
         [&](std::size_t i) {
           const detail::ViewedBlock& b = blocks_[i];
-          if (b.slot == TsdfMap::kNone) return;
-          TsdfVoxel* voxels = map.block(b.slot).voxels.data();
+          TsdfMap::Block* block = b.slot == TsdfMap::kNone ? nullptr : &map.block(b.slot);
+          // A block is made when the view has something to say of it, by the thread that finds so.
+          const auto slice = [&](int z) {
+            if (block == nullptr) {
+              made_[i] = std::make_unique<TsdfMap::Block>();
+              made_[i]->index = b.index;
+              block = made_[i].get();
+            }
+            return block->voxels.data() + static_cast<std::size_t>(z) * BlockObserver::kSlice;
+          };
           BlockObserver observer(view, options, map.voxel_size(), b.index);
           bool changed = false;
-          for (int z = 0; z < BlockObserver::kSide; ++z, voxels += BlockObserver::kSlice) {
+          for (int z = 0; z < BlockObserver::kSide; ++z) {
             if (b.free) {
               observer.measure_ranges(z);
-              changed |= detail::fuse_slice<true>(voxels, observer, weight, truncation, max_weight);
+              changed |=
+                  detail::fuse_slice<true>(slice(z), observer, weight, truncation, max_weight);
             } else if (observer.observe(z)) {
               changed |=
-                  detail::fuse_slice<false>(voxels, observer, weight, truncation, max_weight);
+                  detail::fuse_slice<false>(slice(z), observer, weight, truncation, max_weight);
             }
           }
           changed_[i] = changed ? 1 : 0;
@@ -129,8 +119,9 @@ class ProjectiveUpdate {
         kBlocksATime);
     std::size_t count = 0;
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      std::unique_ptr<TsdfMap::Block> made = std::move(made_[i]);
       if (changed_[i] == 0) continue;
-      map.mark_changed(blocks_[i].slot);
+      map.mark_changed(made ? map.adopt(std::move(made)) : blocks_[i].slot);
       ++count;
     }
     return count;
@@ -139,6 +130,7 @@ class ProjectiveUpdate {
   detail::ProjectiveView view_;
   detail::ScanProjection scan_;
   std::vector<detail::ViewedBlock> blocks_;
+  std::vector<std::unique_ptr<TsdfMap::Block>> made_;
   std::vector<std::uint8_t> changed_;
 };
 

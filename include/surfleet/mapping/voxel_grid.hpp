@@ -129,11 +129,16 @@ class VoxelGrid {
   std::uint32_t ensure_slot(const BlockIndex& b) {
     const std::uint32_t found = find_slot(b);
     if (found != kNone) return found;
+    auto block = std::make_unique<Block>();
+    block->index = b;
+    return adopt(std::move(block));
+  }
+  /// Takes over a block that was filled outside, at its index, where the grid must have none.
+  std::uint32_t adopt(std::unique_ptr<Block> block) {
     if ((blocks_.size() + 1) * 2 > table_.size()) grow();
     const auto slot = static_cast<std::uint32_t>(blocks_.size());
-    blocks_.push_back(std::make_unique<Block>());
-    blocks_.back()->index = b;
-    insert(b, slot);
+    insert(block->index, slot);
+    blocks_.push_back(std::move(block));
     return slot;
   }
   Block& ensure_block(const BlockIndex& b) { return *blocks_[ensure_slot(b)]; }

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -30,21 +32,29 @@ class DepthPyramid {
   }
   int tile_rows() const { return tiles_y_; }
 
-  /// Takes the depths of tile row `ty` from the whole image at `depth`.
-  void fill_row(int ty, const float* depth, int width, int height) {
-    const int v1 = std::min(height, (ty + 1) * kTile);
-    for (int tx = 0; tx < tiles_x_; ++tx) {
-      const int u0 = tx * kTile, u1 = std::min(width, u0 + kTile);
-      float low = depth[row(ty * kTile, width) + static_cast<std::size_t>(u0)], high = low;
-      for (int v = ty * kTile; v < v1; ++v)
-        for (int u = u0; u < u1; ++u) {
-          const float d = depth[row(v, width) + static_cast<std::size_t>(u)];
-          low = std::min(low, d);
-          high = std::max(high, d);
-        }
-      const std::size_t i = row(ty, tiles_x_) + static_cast<std::size_t>(tx);
-      min_[i] = low;
-      max_[i] = high;
+  /// Takes tile row `ty` from the first of its `rows` rows of depths, which are `width` long.
+  void fill_row(int ty, const float* depth, int width, int rows) {
+    // Columns first, over stretches of a fixed length, which becomes vector code.
+    constexpr int kStretch = 16 * kTile;
+    std::array<float, kStretch> low, high;
+    for (int u0 = 0; u0 < width; u0 += kStretch) {
+      const int n = std::min(width - u0, kStretch);
+      low.fill(std::numeric_limits<float>::infinity());
+      high.fill(-std::numeric_limits<float>::infinity());
+      for (int r = 0; r < rows; ++r) {
+        const float* d = depth + row(r, width) + static_cast<std::size_t>(u0);
+        if (n == kStretch)
+          fold(d, kStretch, low.data(), high.data());
+        else
+          fold(d, n, low.data(), high.data());
+      }
+      const std::size_t first = row(ty, tiles_x_) + static_cast<std::size_t>(u0 / kTile);
+      const std::size_t tiles = static_cast<std::size_t>((n + kTile - 1) / kTile);
+      for (std::size_t t = 0; t < tiles; ++t) {
+        const auto [a, b] = std::pair(low.data() + t * kTile, high.data() + t * kTile);
+        min_[first + t] = std::min(std::min(a[0], a[1]), std::min(a[2], a[3]));
+        max_[first + t] = std::max(std::max(b[0], b[1]), std::max(b[2], b[3]));
+      }
     }
   }
   void finish() {
@@ -58,12 +68,10 @@ class DepthPyramid {
         const std::size_t a = row(y, tiles_x_), b = row(y + half, tiles_x_);
         const auto h = static_cast<std::size_t>(half);
         const auto n = static_cast<std::size_t>(std::max(0, tiles_x_ - 2 * half + 1));
-        for (std::size_t x = 0; x < n; ++x) {
-          low[a + x] = std::min(std::min(low0[a + x], low0[a + x + h]),
-                                std::min(low0[b + x], low0[b + x + h]));
-          high[a + x] = std::max(std::max(high0[a + x], high0[a + x + h]),
-                                 std::max(high0[b + x], high0[b + x + h]));
-        }
+        const auto least = [](float p, float q) { return std::min(p, q); };
+        const auto most = [](float p, float q) { return std::max(p, q); };
+        combine(low0 + a, low0 + b, h, n, low + a, least);
+        combine(high0 + a, high0 + b, h, n, high + a, most);
       }
     }
   }
@@ -90,6 +98,19 @@ class DepthPyramid {
 
  private:
   static int bits(int n) { return static_cast<int>(std::bit_width(static_cast<unsigned>(n))); }
+  static void fold(const float* d, int n, float* low, float* high) {
+    for (int i = 0; i < n; ++i) {
+      low[i] = std::min(low[i], d[i]);
+      high[i] = std::max(high[i], d[i]);
+    }
+  }
+  /// Windows of twice the size from two rows of windows; one output a loop becomes vector code.
+  template <typename Choice>
+  static void combine(const float* top, const float* bottom, std::size_t half, std::size_t n,
+                      float* out, Choice&& choose) {
+    for (std::size_t x = 0; x < n; ++x)
+      out[x] = choose(choose(top[x], top[x + half]), choose(bottom[x], bottom[x + half]));
+  }
   static std::size_t row(int y, int width) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
   }

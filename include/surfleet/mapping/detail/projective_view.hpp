@@ -52,28 +52,25 @@ struct ProjectiveView {
   template <typename DepthRow>
   void fill(int threads, DepthRow&& depth_row) {
     inverse_depth.resize(pixels() + 1);
-    depth_.resize(pixels());
     inverse_depth.back() = 1.0F / kNoDepth;
     pyramid.resize(width, height);
     parallel_for(
         static_cast<std::size_t>(pyramid.tile_rows()), threads,
         [&](std::size_t ty) {
           const int v0 = static_cast<int>(ty) * DepthPyramid::kTile;
-          for (int v = v0; v < std::min(height, v0 + DepthPyramid::kTile); ++v) {
-            const std::size_t base = static_cast<std::size_t>(v) * static_cast<std::size_t>(width);
-            float* depth = depth_.data() + base;
-            float* inverse = inverse_depth.data() + base;
-            depth_row(v, depth);
-            for (int u = 0; u < width; ++u) inverse[u] = 1.0F / depth[u];
-          }
-          pyramid.fill_row(static_cast<int>(ty), depth_.data(), width, height);
+          const int rows = std::min(height - v0, DepthPyramid::kTile);
+          const auto row = static_cast<std::size_t>(width);
+          // Depths lie where their inverses will, a few rows at a time.
+          float* const first = inverse_depth.data() + static_cast<std::size_t>(v0) * row;
+          float* const end = first + static_cast<std::size_t>(rows) * row;
+          for (int r = 0; r < rows; ++r)
+            depth_row(v0 + r, first + static_cast<std::size_t>(r) * row);
+          pyramid.fill_row(static_cast<int>(ty), first, width, rows);
+          for (float* d = first; d != end; ++d) *d = 1.0F / *d;
         },
         2);
     pyramid.finish();
   }
-
- private:
-  std::vector<float> depth_;
 };
 
 /// In front of a surface seen at a slant the way along the ray is much longer than the distance to
