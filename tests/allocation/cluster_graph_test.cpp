@@ -75,6 +75,26 @@ TEST(edges_are_the_six_tuple) {
   }
 }
 
+TEST(a_visit_is_bounded_before_its_path_is_known) {
+  Random random(11);
+  const std::vector<ExponentialUtility> utilities = {{0.3, 0.03}, {0.1, 0.2}};
+  for (int i = 0; i < 20; ++i) {
+    const auto clusters = random_clusters(random, Point3(60, 40, 15), 6, 1 + i);
+    const ClusterGraph<Point3> graph(clusters, {Point3(3, 2, 1), Point3(60, 40, 0)}, utilities);
+    for (int robot = 0; robot < 2; ++robot)
+      for (int c = 0; c < graph.clusters(); ++c) {
+        const double travel = graph.travel(robot, -1, c);
+        const double most = graph.most_utility(robot, -1, c);
+        const Hop h = graph.hop(robot, -1, c);
+        CHECK(travel == h.travel && most >= h.utility);
+        CHECK(most <= utilities[robot](clusters[c].gain, travel, 0.0));
+        CHECK(graph.most_utility(robot, -1, c) == h.utility);
+        // A chain of points is its own spanning tree.
+        if (clusters[c].configurations.size() == 2) CHECK_NEAR(most, h.utility, 1e-6 * h.utility);
+      }
+  }
+}
+
 TEST(utility_depends_on_where_the_visit_before_ended) {
   // U is a row from x = 0 to 4; V lies behind its far end.
   std::vector<ConfigurationCluster<Point2>> clusters(2);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <limits>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -70,6 +72,23 @@ concept ClusterRouting = requires(const G& g, int i) {
   { g.hop(i, i, i) } -> std::convertible_to<Hop>;
 };
 
+/// The travel of a visit alone, for graphs that know it before the path inside.
+template <ClusterRouting G>
+double travel_of_hop(const G& graph, int robot, int state, int cluster) {
+  if constexpr (requires { graph.travel(robot, state, cluster); })
+    return graph.travel(robot, state, cluster);
+  else
+    return Hop(graph.hop(robot, state, cluster)).travel;
+}
+/// What the utility of a visit is at most, for graphs that know so before the path inside.
+template <ClusterRouting G>
+double most_utility_of_hop(const G& graph, int robot, int state, int cluster) {
+  if constexpr (requires { graph.most_utility(robot, state, cluster); })
+    return graph.most_utility(robot, state, cluster);
+  else
+    return Hop(graph.hop(robot, state, cluster)).utility;
+}
+
 /// A table of utilities and lengths over the robots' starts (first) and the clusters (after them).
 struct MatrixRouting {
   int robot_count = 0;
@@ -110,6 +129,7 @@ struct ClusterEdge {
 /// the shortest Hamiltonian path from there ends, so an edge depends on the configuration in which
 /// the visit before ended: states are configurations, numbered cluster after cluster. An edge
 /// costs |V| distances, and a 3-opt for an entry not used before. Not for concurrent use.
+/// `travel` costs the distances alone; `most_utility` |V|² once for each cluster.
 template <typename P, UtilityPolicy Utility = ExponentialUtility,
           typename Distance = EuclideanDistance, TourSolver PathSolver = ThreeOpt>
 class ClusterGraph {
@@ -140,6 +160,7 @@ class ClusterGraph {
     inside_.resize(cluster_of_.size());
     rows_.resize(cluster_of_.size() + starts_.size());
     lengths_.resize(clusters_.size());
+    least_inside_.assign(clusters_.size(), -1.0);
   }
 
   int clusters() const { return static_cast<int>(clusters_.size()); }
@@ -170,6 +191,18 @@ class ClusterGraph {
       h.utility = utilities_[robot](clusters_[cluster].gain, h.travel, h.inside);
     return h;
   }
+  /// The travel of `hop`.
+  double travel(int robot, int state, int cluster) const {
+    return arrival(robot, state, cluster).hop.travel;
+  }
+  /// No less than the utility of `hop`: every path inside is as long as the spanning tree.
+  double most_utility(int robot, int state, int cluster) const {
+    const Leg& l = arrival(robot, state, cluster);
+    const Utility& utility = utilities_[utilities_.size() > 1 ? robot : 0];
+    const double known = inside_[l.entry].order.empty() ? least_inside(cluster) * (1.0 - 1e-9)
+                                                        : inside_[l.entry].length;
+    return utility(clusters_[cluster].gain, l.hop.travel, known);
+  }
   /// The configurations of a cluster in the order of the path from `entry`.
   std::span<const int> inside_path(int entry) const { return inside(entry).order; }
 
@@ -196,26 +229,57 @@ class ClusterGraph {
     double length = 0.0;
   };
 
-  const Leg& leg(int robot, int state, int cluster) const {
+  /// The leg with entry and travel; the rest once `leg` has been asked for it.
+  Leg& arrival(int robot, int state, int cluster) const {
     auto& row = rows_[state < 0 ? configurations() + robot : state];
     if (row.empty()) row.resize(clusters_.size());
     Leg& l = row[cluster];
-    if (l.entry < 0) {
-      const P& p = state < 0 ? starts_[robot] : configuration(state);
-      const auto& members = clusters_[cluster].configurations;
-      for (int k = 0; k < static_cast<int>(members.size()); ++k) {
-        const double d = distance_(p, members[k]);
-        if (l.entry < 0 || d < l.hop.travel) {
-          l.entry = first_[cluster] + k;
-          l.hop.travel = d;
-        }
+    if (l.entry >= 0) return l;
+    const P& p = state < 0 ? starts_[robot] : configuration(state);
+    const auto& members = clusters_[cluster].configurations;
+    for (int k = 0; k < static_cast<int>(members.size()); ++k) {
+      const double d = distance_(p, members[k]);
+      if (l.entry < 0 || d < l.hop.travel) {
+        l.entry = first_[cluster] + k;
+        l.hop.travel = d;
       }
+    }
+    return l;
+  }
+  const Leg& leg(int robot, int state, int cluster) const {
+    Leg& l = arrival(robot, state, cluster);
+    if (l.hop.state < 0) {
       const Inside& in = inside(l.entry);
       l.hop.inside = in.length;
       l.hop.state = in.order.back();
       l.hop.utility = utilities_.front()(clusters_[cluster].gain, l.hop.travel, l.hop.inside);
     }
     return l;
+  }
+  double length_inside(const P& a, const P& b) const { return std::min(distance_(a, b), kNoWay); }
+  /// Weight of the minimum spanning tree of a cluster, by Prim [m].
+  double least_inside(int cluster) const {
+    double& least = least_inside_[cluster];
+    if (least >= 0.0) return least;
+    const auto& members = clusters_[cluster].configurations;
+    std::vector<int> left(members.size() - 1);
+    std::iota(left.begin(), left.end(), 1);
+    std::vector<double> to_tree(members.size(), std::numeric_limits<double>::infinity());
+    least = 0.0;
+    for (int last = 0; !left.empty();) {
+      std::size_t nearest = 0;
+      for (std::size_t i = 0; i < left.size(); ++i) {
+        double& d = to_tree[left[i]];
+        d = std::min({d, length_inside(members[last], members[left[i]]),
+                      length_inside(members[left[i]], members[last])});
+        if (d < to_tree[left[nearest]]) nearest = i;
+      }
+      last = left[nearest];
+      least += to_tree[last];
+      left[nearest] = left.back();
+      left.pop_back();
+    }
+    return least;
   }
   const Inside& inside(int entry) const {
     Inside& in = inside_[entry];
@@ -228,7 +292,7 @@ class ClusterGraph {
         d = CostMatrix(n);
         for (int i = 0; i < n; ++i)
           for (int j = 0; j < n; ++j)
-            if (i != j) d(i, j) = std::min(distance_(members[i], members[j]), kNoWay);
+            if (i != j) d(i, j) = length_inside(members[i], members[j]);
       }
       HamiltonianPath path = shortest_hamiltonian_path(d, entry - first_[c], solver_);
       for (int& k : path.order) k += first_[c];
@@ -249,6 +313,7 @@ class ClusterGraph {
   mutable std::vector<std::vector<Leg>> rows_;
   mutable std::vector<Inside> inside_;
   mutable std::vector<CostMatrix> lengths_;
+  mutable std::vector<double> least_inside_;  // by cluster; −1: not known yet
 };
 static_assert(ClusterRouting<ClusterGraph<Configuration>>);
 }  // namespace surfleet

@@ -55,7 +55,7 @@ struct NearestFirst {
     for (int c = 0; c < graph.clusters(); ++c) {
       double least = std::numeric_limits<double>::infinity();
       for (int r = 0; r < graph.robots(); ++r)
-        least = std::min(least, Hop(graph.hop(r, -1, c)).travel);
+        least = std::min(least, travel_of_hop(graph, r, -1, c));
       keys.emplace_back(least, c);
     }
     std::sort(keys.begin(), keys.end());
@@ -188,6 +188,7 @@ struct NearestNeighbour {
       double most = 0.0;
       for (const int cluster : order) {
         if (taken[cluster] != 0 || !constraint.permits(robot, cluster, routes[robot])) continue;
+        if (best >= 0 && most_utility_of_hop(graph, robot, -1, cluster) < most) continue;
         const Hop h = graph.hop(robot, -1, cluster);
         if (best < 0 || h.utility > most) best = cluster, most = h.utility;
       }
@@ -328,7 +329,7 @@ struct GreedyAllocator {
     std::reference_wrapper<const G> graph;
     Constraint inner;
     bool permits(int robot, int cluster, const Route& route) const {
-      return std::isfinite(Hop(graph.get().hop(robot, -1, cluster)).travel) &&
+      return std::isfinite(travel_of_hop(graph.get(), robot, -1, cluster)) &&
              inner.permits(robot, cluster, route);
     }
     bool admits(int robot, const Route& extended) const { return inner.admits(robot, extended); }

@@ -111,7 +111,7 @@ struct ImproveAllocation {
       return detail::best_insertion(graph, robot, route.order, cluster, owner.value.measure);
     }
     bool permits(int robot, int cluster, const Route& route) const {
-      return std::isfinite(Hop(graph.hop(robot, -1, cluster)).travel) &&
+      return std::isfinite(travel_of_hop(graph, robot, -1, cluster)) &&
              owner.constraint.permits(robot, cluster, route);
     }
     static bool better(const std::pair<double, double>& a, const std::pair<double, double>& b) {

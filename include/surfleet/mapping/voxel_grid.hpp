@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -166,20 +167,22 @@ class VoxelGrid {
    public:
     explicit Accessor(const VoxelGrid& grid) : grid_(&grid) {}
     const Voxel* find(const VoxelIndex& v) {
-      const BlockIndex b = block_of(v);
-      if (!cached_ || b != index_) {
-        block_ = grid_->find_block(b);
-        index_ = b;
-        cached_ = true;
-      }
+      // No voxel of another block has the high bits of the first of this one.
+      if ((((v.x() ^ x_) | (v.y() ^ y_) | (v.z() ^ z_)) & ~(kSide - 1)) != 0) move_to(v);
       return block_ == nullptr ? nullptr : &block_->voxels[offset_of(v)];
     }
 
    private:
+    /// Apart from `find`, which is to be small enough to become part of its callers.
+    [[gnu::noinline]] void move_to(const VoxelIndex& v) {
+      block_ = grid_->find_block(block_of(v));
+      x_ = v.x() & ~(kSide - 1);
+      y_ = v.y() & ~(kSide - 1);
+      z_ = v.z() & ~(kSide - 1);
+    }
     const VoxelGrid* grid_;
     const Block* block_ = nullptr;
-    BlockIndex index_ = BlockIndex::Zero();
-    bool cached_ = false;
+    int x_ = std::numeric_limits<int>::min(), y_ = 0, z_ = 0;  // beyond any voxel
   };
   Accessor accessor() const { return Accessor(*this); }
 

@@ -32,14 +32,24 @@ bool traverse_voxels(const Point3& from, const Point3& to, double voxel_size, Vi
   }
   VoxelIndex remaining(0, 0, 0);
   for (int i = 0; i < 3; ++i) remaining[i] = std::abs(static_cast<int>(std::floor(b[i])) - v[i]);
+  // A variable for each axis, in registers: what is stored by axis and read as a vector at once
+  // stalls the processor at every voxel.
+  int x = v.x(), y = v.y(), z = v.z();
+  int x_left = remaining.x(), y_left = remaining.y(), z_left = remaining.z();
+  double t_x = t_next.x(), t_y = t_next.y(), t_z = t_next.z();
+  const auto advance = [](int& at, int by, double& t, double delta, int& steps) {
+    at += by;
+    t = --steps == 0 ? std::numeric_limits<double>::infinity() : t + delta;
+  };
   for (;;) {
-    if (!visit(static_cast<const VoxelIndex&>(v))) return false;
+    if (!visit(VoxelIndex(x, y, z))) return false;
     if (left-- == 0) return true;
-    int axis = t_next[0] <= t_next[1] ? 0 : 1;
-    if (t_next[2] < t_next[axis]) axis = 2;
-    v[axis] += step[axis];
-    t_next[axis] = --remaining[axis] == 0 ? std::numeric_limits<double>::infinity()
-                                          : t_next[axis] + t_delta[axis];
+    if (t_z < (t_x <= t_y ? t_x : t_y))
+      advance(z, step.z(), t_z, t_delta.z(), z_left);
+    else if (t_x <= t_y)
+      advance(x, step.x(), t_x, t_delta.x(), x_left);
+    else
+      advance(y, step.y(), t_y, t_delta.y(), y_left);
   }
 }
 }  // namespace surfleet

@@ -232,8 +232,10 @@ class ViewpointGenerator {
         const double depth = distance * l.depth_per_metre;
         if (depth < camera.min_range || depth > camera.max_range) continue;
         if (clear < 0.0) {
-          const double farthest = *std::max_element(lengths.begin(), lengths.end());
-          clear = map_->voxel_size() + clear_along(e, l.direction, farthest, choice.asked);
+          const auto [nearest, farthest] = std::minmax_element(lengths.begin(), lengths.end());
+          const double voxel = map_->voxel_size();
+          clear = voxel +
+                  clear_along(e, l.direction, *nearest - 1.001 * voxel, *farthest, choice.asked);
         }
         if (distance > clear) continue;
         const Point3 eye = e.position + distance * l.direction;
@@ -278,7 +280,8 @@ class ViewpointGenerator {
       if (attempt(line_of(*it), rest)) return choice;
 
     const auto opens = [&](const auto& c) {
-      return clear_along(e, line_of(c).direction, min_distance_, choice.asked) >= min_distance_;
+      return clear_along(e, line_of(c).direction, min_distance_, min_distance_, choice.asked) >=
+             min_distance_;
     };
     choice.reason = free       ? NoViewReason::unreachable
                     : refused  ? NoViewReason::looked_at
@@ -297,9 +300,10 @@ class ViewpointGenerator {
             "viewpoint steps: expected more than 1 cm, more than 0.01 rad and at least one try");
     return o;
   }
-  /// How far away along a line the element is in sight, and about, one of its unknown neighbours.
-  double clear_along(const IncompleteElement& e, const Eigen::Vector3d& direction, double limit,
-                     Box3& asked) {
+  /// How far away along a line, at most `limit`, the element is in sight, and about, one of its
+  /// unknown neighbours. If that is less than `least`, any such length.
+  double clear_along(const IncompleteElement& e, const Eigen::Vector3d& direction, double least,
+                     double limit, Box3& asked) {
     const auto clear_from = [&](const Point3& p) {
       const double length = sight_.free_length(p, direction, limit);
       asked.extend(p);
@@ -307,6 +311,7 @@ class ViewpointGenerator {
       return length;
     };
     const double own = clear_from(e.position);
+    if (own < least) return own;
     if (e.unknown == 0 || options_.unknown_blocks) return own;  // then `reveals` alone decides
     double beside = 0.0;
     e.any_unknown([&](const VoxelIndex& offset) {
