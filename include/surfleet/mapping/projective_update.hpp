@@ -84,6 +84,7 @@ class ProjectiveUpdate {
     detail::ViewedBlockSearch search(view, map, options.truncation, options.carve_free_space);
     search.run(blocks_);
     changed_.assign(blocks_.size(), 0);
+    made_.clear();  // also what an allocation that failed left behind
     made_.resize(blocks_.size());
 
     const auto truncation = static_cast<float>(options.truncation);
