@@ -138,8 +138,8 @@ class VoxelGrid {
   std::uint32_t adopt(std::unique_ptr<Block> block) {
     if ((blocks_.size() + 1) * 2 > table_.size()) grow();
     const auto slot = static_cast<std::uint32_t>(blocks_.size());
-    insert(block->index, slot);
-    blocks_.push_back(std::move(block));
+    blocks_.push_back(std::move(block));  // first: it may fail, and then nothing has happened
+    insert(blocks_.back()->index, slot);
     return slot;
   }
   Block& ensure_block(const BlockIndex& b) { return *blocks_[ensure_slot(b)]; }

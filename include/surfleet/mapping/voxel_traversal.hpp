@@ -17,29 +17,28 @@ namespace surfleet {
 template <typename Visit>
 bool traverse_voxels(const Point3& from, const Point3& to, double voxel_size, Visit&& visit) {
   const Eigen::Vector3d a = from / voxel_size, b = to / voxel_size, d = b - a;
-  VoxelIndex v, step;
+  VoxelIndex v, step, steps;
   Eigen::Vector3d t_next, t_delta;
   int left = 0;
   for (int i = 0; i < 3; ++i) {
     v[i] = static_cast<int>(std::floor(a[i]));
     const int last = static_cast<int>(std::floor(b[i]));
-    left += std::abs(last - v[i]);
+    steps[i] = std::abs(last - v[i]);
+    left += steps[i];
     step[i] = last > v[i] ? 1 : -1;
     const double edge = step[i] > 0 ? v[i] + 1.0 : static_cast<double>(v[i]);
     const bool moves = last != v[i];
     t_delta[i] = moves ? std::abs(1.0 / d[i]) : 0.0;
     t_next[i] = moves ? (edge - a[i]) / d[i] : std::numeric_limits<double>::infinity();
   }
-  VoxelIndex remaining(0, 0, 0);
-  for (int i = 0; i < 3; ++i) remaining[i] = std::abs(static_cast<int>(std::floor(b[i])) - v[i]);
   // A variable for each axis, in registers: what is stored by axis and read as a vector at once
   // stalls the processor at every voxel.
   int x = v.x(), y = v.y(), z = v.z();
-  int x_left = remaining.x(), y_left = remaining.y(), z_left = remaining.z();
+  int x_left = steps.x(), y_left = steps.y(), z_left = steps.z();
   double t_x = t_next.x(), t_y = t_next.y(), t_z = t_next.z();
-  const auto advance = [](int& at, int by, double& t, double delta, int& steps) {
+  const auto advance = [](int& at, int by, double& t, double delta, int& left_here) {
     at += by;
-    t = --steps == 0 ? std::numeric_limits<double>::infinity() : t + delta;
+    t = --left_here == 0 ? std::numeric_limits<double>::infinity() : t + delta;
   };
   for (;;) {
     if (!visit(VoxelIndex(x, y, z))) return false;

@@ -311,8 +311,8 @@ class ViewpointGenerator {
       return length;
     };
     const double own = clear_from(e.position);
-    if (own < least) return own;
-    if (e.unknown == 0 || options_.unknown_blocks) return own;  // then `reveals` alone decides
+    // What an element that does not tell its unknown neighbours shows, `reveals` alone decides.
+    if (own < least || e.unknown == 0 || options_.unknown_blocks) return own;
     double beside = 0.0;
     e.any_unknown([&](const VoxelIndex& offset) {
       beside =

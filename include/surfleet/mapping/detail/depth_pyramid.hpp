@@ -51,7 +51,7 @@ class DepthPyramid {
       const std::size_t first = row(ty, tiles_x_) + static_cast<std::size_t>(u0 / kTile);
       const std::size_t tiles = static_cast<std::size_t>((n + kTile - 1) / kTile);
       for (std::size_t t = 0; t < tiles; ++t) {
-        const auto [a, b] = std::pair(low.data() + t * kTile, high.data() + t * kTile);
+        const float *a = low.data() + t * kTile, *b = high.data() + t * kTile;
         min_[first + t] = std::min(std::min(a[0], a[1]), std::min(a[2], a[3]));
         max_[first + t] = std::max(std::max(b[0], b[1]), std::max(b[2], b[3]));
       }
