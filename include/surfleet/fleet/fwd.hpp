@@ -31,7 +31,6 @@ struct Stop;
 struct TimedConfiguration;
 struct TourPlannerOptions;
 class UnseenSpace;
-struct UnseenSpaceOptions;
 class ViewAccess;
 class ViewpointMemory;
 class WorthAround;

@@ -28,8 +28,7 @@ class RateThenTours {
  public:
   First first;
   Then then;
-  /// Of the mean rate: in a team some have nothing good left long before the others.
-  double team_share = 0.4, lone_share = 0.3;
+  double share = 0.3;  ///< Of the mean rate.
   double broad = 0.3;  ///< Share of the broadest look of the mission that still counts as broad.
   int memory = 4;      ///< Requests a robot that the recent rate is averaged over.
   /// When a new plan is wanted, as in `PlanResult`: in a team what one was sent for others see on
@@ -42,7 +41,6 @@ class RateThenTours {
   PlanResult operator()(const PlanRequest& request) {
     PlanResult result = choose(request);
     result.utility_share = request.robots.size() > 1 ? team_utility_share : lone_utility_share;
-    result.turn_in_flight = true;
     return result;
   }
   /// Whether the second planner is at work.
@@ -65,7 +63,6 @@ class RateThenTours {
     recent_ += (rate - recent_) / std::min(window, static_cast<double>(count_));
     const bool all_idle = std::all_of(request.robots.begin(), request.robots.end(),
                                       [](const RobotRequest& r) { return r.idle; });
-    const double share = request.robots.size() > 1 ? team_share : lone_share;
     touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
     return touring_ ? then(request) : result;
   }
