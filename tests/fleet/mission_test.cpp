@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <vector>
 
 #include "box_world.hpp"
 #include "check.hpp"
@@ -196,6 +197,48 @@ TEST(a_plan_that_cannot_be_flown_is_not_the_last_word) {
       CHECK(calls < 20);
     }
   }
+}
+/// Sends the first robot to one side and, asked again by the other's idling, on by `then`.
+struct SecondThoughts {
+  Eigen::Vector3d then;
+  bool turn_in_flight;
+  std::vector<double>* asked;
+  PlanResult operator()(const PlanRequest& request) {
+    PlanResult r;
+    r.turn_in_flight = turn_in_flight;
+    r.routes.assign(request.robots.size(), Stops{});
+    const std::array<Eigen::Vector3d, 2> aside{Eigen::Vector3d(0, -3, 0), then};
+    if (asked->size() < aside.size())
+      r.routes[0] =
+          Stops{{{request.robots[0].configuration.position + aside[asked->size()], 0.0}, {}}};
+    asked->push_back(request.time);
+    return r;
+  }
+};
+TEST(a_robot_turns_in_flight_to_what_lies_ahead) {
+  const auto arrival = [](const Eigen::Vector3d& then, bool turn, bool brakes) {
+    World world;
+    const MissionOptions o = box_world::options(world);
+    std::vector<double> asked;
+    AnyMission mission(o, world, box_world::starts(2), SecondThoughts{then, turn, &asked});
+    const MissionResult result = mission.run();
+    CHECK(result.complete && asked.size() > 2 && asked[1] < asked[0] + 2.5);
+    double slowest = 1e9;  // of the steps from the change of mind until the robot has arrived
+    double last = 0.0;
+    const auto& t = result.trajectories[0];
+    const Point3 goal = t.back().configuration.position;
+    for (std::size_t k = 1; k < t.size(); ++k) {
+      const Point3 &p = t[k - 1].configuration.position, &q = t[k].configuration.position;
+      if (t[k - 1].time < asked[1] || (q - goal).norm() < 0.2) continue;
+      slowest = std::min(slowest, (q - p).norm());
+      last = t[k].time;
+    }
+    CHECK((slowest < 0.06) == brakes && slowest < 1.0);
+    return last;
+  };
+  const Eigen::Vector3d ahead(0.6, -0.9, 0.0), back(0.6, 0.9, 0.0);
+  CHECK(arrival(ahead, true, false) < arrival(ahead, false, true));
+  CHECK(arrival(back, true, true) == arrival(back, false, true));
 }
 /// The same tours with and without a last ordering of their stops.
 struct Twice {

@@ -10,6 +10,7 @@
 #include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
+#include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
@@ -386,6 +387,52 @@ TEST(nobody_is_sent_where_he_cannot_get) {
   check(CoverPlanner(options));
 }
 
+TEST(flights_by_rate_end_where_the_roadmap_leads) {
+  // Crumbs everywhere, and a body so small that it fits between where no row of voxel centres does.
+  TsdfMap map({.voxel_size = 0.3});
+  Random random(3);
+  map_test::paint(map, {-16, -16, -8}, {16, 16, 8}, [&](const VoxelIndex&) {
+    const double u = random.uniform();
+    return u < 0.1 ? VoxelState::occupied : u < 0.2 ? VoxelState::unknown : VoxelState::empty;
+  });
+  const VoxelStateMap states(map);
+  const Box3 region(Point3(-4.5, -4.5, -2.2), Point3(4.5, 4.5, 2.2));
+  const FreeSpace free(states, {.radius = 0.2, .bounds = region, .margin = 0.1});
+  LazyPrmStar roadmap(free);
+  IncompleteSurface incomplete;
+  incomplete.update(states);
+  const std::vector<IncompleteElement> work = incomplete.elements();
+  const PinholeCamera camera = PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0);
+  const Pose mount = forward_camera_mount();
+  const HeadingTable headings(camera, mount);
+  const LookLedger ledger;
+  RatePlanner planner;
+  int stops = 0;
+  while (stops < 150) {
+    const Point3 p(random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(-2, 2));
+    if (!free.is_free(p)) continue;
+    const std::vector<RobotRequest> robots{{{p, 0.0}, true, {}}};
+    const PlanResult result = planner(PlanRequest{.work = work,
+                                                  .incomplete = incomplete,
+                                                  .known = states,
+                                                  .observed = states,
+                                                  .ledger = ledger,
+                                                  .free_space = free,
+                                                  .roadmap = roadmap,
+                                                  .camera = camera,
+                                                  .T_body_camera = mount,
+                                                  .headings = headings,
+                                                  .region = region,
+                                                  .robots = robots});
+    Point3 from = p;
+    for (const Stop& stop : *result.routes[0]) {
+      CHECK(roadmap.query(from, stop.configuration.position).has_value());
+      from = stop.configuration.position;
+    }
+    ++stops;
+  }
+}
+
 TEST(unseen_space_is_the_border_of_what_is_known_empty) {
   // Empty for x < 3 m, a wall at x = 3 m where y < 0, unknown behind either.
   TsdfMap map({.voxel_size = 0.2});
@@ -393,7 +440,7 @@ TEST(unseen_space_is_the_border_of_what_is_known_empty) {
     return v.x() < 15 ? VoxelState::empty : v.y() < 0 ? VoxelState::occupied : VoxelState::unknown;
   });
   VoxelStateMap states(map);
-  UnseenSpace space(2);
+  UnseenSpace space({.max_looks = 2});
   const Box3 region(Point3(0.1, -3.9, -1.9), Point3(9.9, 3.9, 1.9));
   space.update(states, region, 1.04);  // five voxels: 1 m
   CHECK_NEAR(space.edge(), 1.0, 1e-12);
@@ -450,6 +497,43 @@ TEST(unseen_space_is_the_border_of_what_is_known_empty) {
         }
     CHECK(followed.size() == count);
   }
+}
+TEST(what_unseen_space_held_tells_what_it_may_hold) {
+  // Empty for x < 3 m, unknown behind; cells of 1 m, of which a layer at a time is opened.
+  TsdfMap map({.voxel_size = 0.2});
+  map_test::paint(map, {0, -20, -20}, {14, 19, 19},
+                  [](const VoxelIndex&) { return VoxelState::empty; });
+  VoxelStateMap states(map);
+  UnseenSpace space({.prior_chance = 0.25, .prior_cells = 4.0});
+  const Box3 region(Point3(0.1, -3.9, -3.9), Point3(9.9, 3.9, 3.9));
+  const auto chance_at = [&](double z) {
+    for (std::size_t i = 0; i < space.size(); ++i)
+      if (std::abs(space.center(i).z() - z) < 0.1) return space.chance(i);
+    return -1.0;
+  };
+  space.update(states, region, 1.0);
+  for (std::size_t i = 0; i < space.size(); ++i) CHECK_NEAR(space.chance(i), 0.25, 1e-12);
+  // The sky is empty; of the eight cells at z = -2.5 m three hold a voxel of surface, two of them
+  // in their middle.
+  map_test::paint(map, {15, -20, 10}, {19, 19, 14},
+                  [](const VoxelIndex&) { return VoxelState::empty; });
+  map_test::paint(map, {15, -20, -15}, {19, 19, -11}, [](const VoxelIndex& v) {
+    const bool surface = v == VoxelIndex(17, -18, -13) || v == VoxelIndex(17, -3, -13) ||
+                         v == VoxelIndex(19, 13, -11);
+    return surface ? VoxelState::occupied : VoxelState::empty;
+  });
+  states.update(map);
+  space.update(states, region, 1.0);
+  for (const double z : {1.5, 2.5, 3.5}) CHECK_NEAR(chance_at(z), 1.0 / 12.0, 1e-12);
+  for (const double z : {-3.5, -2.5, -1.5}) CHECK_NEAR(chance_at(z), 4.0 / 12.0, 1e-12);
+  for (const double z : {-0.5, 0.5}) CHECK_NEAR(chance_at(z), 0.25, 1e-12);
+  // Asked again it is not counted again; another region starts anew.
+  space.update(states, region, 1.0);
+  CHECK_NEAR(chance_at(2.5), 1.0 / 12.0, 1e-12);
+  space.update(states, Box3(Point3(0.1, -3.9, -3.9), Point3(9.8, 3.9, 3.9)), 1.0);
+  CHECK_NEAR(chance_at(2.5), 0.25, 1e-12);
+  CHECK_THROWS(Error, UnseenSpace({.prior_chance = 0.0}));
+  CHECK_THROWS(Error, UnseenSpace({.prior_cells = 0.0}));
 }
 TEST(ledger_gives_up_after_so_many_looks) {
   LookLedger ledger({.max_looks = 2, .max_failures = 2});

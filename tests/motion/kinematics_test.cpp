@@ -135,6 +135,26 @@ TEST(a_new_path_under_way_keeps_the_limits) {
   }
 }
 
+TEST(who_turns_under_way_goes_straight_on_as_little_as_it_takes) {
+  for (const double degrees : {5.0, 20.0, 45.0, 90.0, 150.0, 179.0}) {
+    AerialMotion robot{Configuration{}};
+    robot.follow(std::vector<Point3>{{0, 0, 0}, {5, 0, 0}}, 0.0);
+    for (int i = 0; i < 40; ++i) robot.advance(0.05);
+    const double v = robot.velocity().norm();
+    CHECK_NEAR(v, 0.6, 1e-9);
+    const Point3 here = robot.configuration().position;
+    const double turn = radians(degrees);
+    const Point3 goal = here + 2.0 * Point3(std::cos(turn), 0.0, std::sin(turn));
+    const std::vector<Point3> way = robot.way_onto(std::vector<Point3>{here, goal});
+    CHECK(way.size() == 3 && way.front() == here && way.back() == goal);
+    const double leg = (way[1] - here).norm();
+    CHECK_NEAR((way[1] - here).x(), leg, 1e-12);
+    // Twice the way to a stop at the most, and next to nothing for a gentle turn.
+    CHECK(leg <= v * v + 1e-9);
+    if (degrees <= 20.0) CHECK(leg < 0.5 * v * v);
+  }
+}
+
 TEST(looks_where_it_is_told_while_under_way) {
   AerialMotion robot{Configuration{}};
   const Point3 target(3, 5, 0);

@@ -31,6 +31,7 @@ struct Stop;
 struct TimedConfiguration;
 struct TourPlannerOptions;
 class UnseenSpace;
+struct UnseenSpaceOptions;
 class ViewAccess;
 class ViewpointMemory;
 class WorthAround;

@@ -194,6 +194,7 @@ class Mission {
     Stops route;                   ///< What is left to do; the first stop is under way.
     std::size_t initial_work = 0;  ///< Elements the route was made for, for the utility check.
     double utility_share = 1.0;    ///< Of these, complete when a new plan is due.
+    bool turn_in_flight = false;   ///< To the next stop, without braking first.
     int quarters = 0;              ///< Of the first look around.
     double idle_until = 0.0;       ///< No new request before [s].
     double pause = kIdle;          ///< Until the next request if this one gives nothing [s].
@@ -306,7 +307,7 @@ class Mission {
       }
       if (a.phase != Phase::flying && a.phase != Phase::aside) continue;
       if (a.phase == Phase::flying && is_pointless(a.route.front())) {
-        halt(a);
+        leave_goal(a);
       } else if (obstacle_ahead_(free_, a.motion.remaining(), a.motion.stopping_distance())) {
         ++result_.emergency_stops;
         halt(a);
@@ -342,6 +343,11 @@ class Mission {
     a.phase = Phase::waiting;
     a.held = false;
   }
+  /// As `halt`, but who may turn in flight goes on until `plan` has asked where to.
+  void leave_goal(Agent& a) {
+    if (!a.turn_in_flight || a.held || a.phase != Phase::flying) return halt(a);
+    a.phase = Phase::waiting;
+  }
   // -- planning ----------------------------------------------------------------------------------
   void plan() {
     if (std::any_of(agents_.begin(), agents_.end(),
@@ -351,10 +357,15 @@ class Mission {
     for (const Agent& a : agents_) ask |= a.route.empty() ? time_ >= a.idle_until : is_spent(a);
     ask |= at_rest();
     if (ask) request_plan();
-    for (std::size_t r = 0; r < agents_.size(); ++r)
-      if (agents_[r].phase == Phase::waiting && !agents_[r].route.empty() &&
-          agents_[r].motion.standing())
+    for (std::size_t r = 0; r < agents_.size(); ++r) {
+      Agent& a = agents_[r];
+      if (a.phase != Phase::waiting) continue;
+      if (!a.motion.standing()) {
+        if (!turns(r)) a.motion.stop();
+      } else if (!a.route.empty()) {
         depart(r);
+      }
+    }
   }
   /// UtilityCheck: so much of what the route was made for is complete that a new one is due.
   bool is_spent(const Agent& a) const {
@@ -405,7 +416,8 @@ class Mission {
       a.route = std::move(route);
       a.initial_work = open_work(a.route);
       a.utility_share = result.utility_share.value_or(options_.utility_share);
-      if (!same) halt(a);
+      a.turn_in_flight = result.turn_in_flight;
+      if (!same) leave_goal(a);
       if (a.route.empty())
         rest(a);
       else
@@ -428,15 +440,8 @@ class Mission {
         a.route.erase(a.route.begin());
         continue;
       }
-      if (auto path = roadmap_.query(fleet_[r].position, stop.configuration.position)) {
-        a.watch_yaw = stop.configuration.yaw;
-        AerialMotion::YawLaw look;
-        if (options_.watchful)
-          look = [&a](const Point3&, const Eigen::Vector3d&) { return a.watch_yaw; };
-        a.motion.follow(path->points, stop.configuration.yaw, std::move(look));
-        a.phase = Phase::flying;
-        a.images = 0;
-        vain_plans_ = 0;
+      if (const auto path = roadmap_.query(fleet_[r].position, stop.configuration.position)) {
+        set_off(a, *path);
         return;
       }
       ledger_.not_reached(stop.targets);
@@ -444,6 +449,36 @@ class Mission {
       a.route.erase(a.route.begin());
     }
     rest(a);
+  }
+
+  /// Whether the robot, under way to a goal that is none any more, could turn to its next stop.
+  bool turns(std::size_t r) {
+    Agent& a = agents_[r];
+    if (a.motion.braking()) return false;
+    while (!a.route.empty() && is_pointless(a.route.front())) a.route.erase(a.route.begin());
+    if (a.route.empty()) return false;
+    const auto path = roadmap_.query(fleet_[r].position, a.route.front().configuration.position);
+    if (!path) return false;
+    // Who has to turn back is sooner there if it brakes first.
+    if (path->points.size() > 1 && a.motion.velocity().dot(path->points[1] - path->points[0]) < 0.0)
+      return false;
+    // The turn leads off the path as far as the robot needs to come round.
+    const std::vector<Point3> way = a.motion.way_onto(path->points);
+    for (std::size_t i = 1; i < std::min<std::size_t>(way.size(), 3); ++i)
+      if (!free_.is_free_segment(way[i - 1], way[i])) return false;
+    set_off(a, *path);
+    return true;
+  }
+  void set_off(Agent& a, const Path& path) {
+    const double yaw = a.route.front().configuration.yaw;
+    a.watch_yaw = yaw;
+    AerialMotion::YawLaw look;
+    if (options_.watchful)
+      look = [&a](const Point3&, const Eigen::Vector3d&) { return a.watch_yaw; };
+    a.motion.follow(path.points, yaw, std::move(look));
+    a.phase = Phase::flying;
+    a.images = 0;
+    vain_plans_ = 0;
   }
 
   /// Nobody moves, looks or has anything to do.

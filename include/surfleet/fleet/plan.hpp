@@ -62,6 +62,8 @@ struct PlanResult {
   /// The next plan is wanted when this share of what a route was made for is complete; if not
   /// said, the mission's own share decides.
   std::optional<double> utility_share = std::nullopt;
+  /// Whether robots under way turn to their next stop without braking first, if it lies ahead.
+  bool turn_in_flight = false;
 };
 
 /// A high-level planner: turns the state of the map into routes. It may keep state between calls.

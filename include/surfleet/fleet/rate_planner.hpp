@@ -23,14 +23,18 @@
 
 namespace surfleet {
 struct RatePlannerOptions {
-  double stop_cost = 1.0;         ///< What a stop costs beside its flight [m].
+  double stop_share = 0.125;      ///< What a stop costs beside its flight, over the range.
   double turn_cost = 0.1;         ///< What turning costs [m/rad].
   double spacing_share = 0.15;    ///< Lattice spacing over the camera's range.
   double sight_share = 0.85;      ///< Farthest look that counts, over the camera's range.
   double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
   double prediction_worth = 0.6;  ///< Worth of predicted surface beside surface at hand.
+  /// The least that an element counts, however small its voxel: left behind, it costs a stop [m²].
+  double element_worth = 0.09;
   /// Worth of the border to unseen space beside surface at hand, for what it may hide; 0: none.
+  /// Far from any surface at hand it counts less the less of it held surface so far.
   double space_worth = 0.5;
+  double space_near = 0.6;    ///< So near is not far, over the range.
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
   int stops = 2;              ///< Stops planned ahead for each robot.
   /// What one look is thought to see at the most of the worth around a place: where that much would
@@ -48,7 +52,8 @@ struct RatePlannerOptions {
 /// the rest is. Where the published method commits to a tour over what is known, this one is paid
 /// for by what the next flight will discover. What was looked at in vain once, it leaves to others;
 /// and where a robot has just looked it does not look again for what that look has left, were it
-/// the best there is. It remembers what it has seen of the map: one planner for one mission.
+/// the best there is. As most goals change under way, robots turn into new routes in flight. It
+/// remembers what it has seen of the map: one planner for one mission.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -73,6 +78,7 @@ class RatePlanner {
     broadest_ = 0.0;
 
     PlanResult result;
+    result.turn_in_flight = true;
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> waiting;
     for (std::size_t r = 0; r < request.robots.size(); ++r) {
@@ -151,7 +157,7 @@ class RatePlanner {
         targets.push_back({e.frontier(voxel), e.direction, 0.0, 2});
         members_.emplace_back();
       }
-      targets[it->second].worth += voxel * voxel;
+      targets[it->second].worth += std::max(voxel * voxel, options.element_worth);
       members_[it->second].push_back(static_cast<std::int32_t>(i));
     }
     const double reach = options.prediction_share * request.camera.max_range;
@@ -164,10 +170,14 @@ class RatePlanner {
     if (options.space_worth > 0.0) {
       space_.update(request.observed, request.region,
                     options.space_share * request.camera.max_range);
-      for (std::size_t i = 0; i < space_.size(); ++i)
-        targets.push_back({space_.center(i), Eigen::Vector3d::Zero(),
-                           options.space_worth * space_.edge() * space_.edge(),
+      const WorthAround surface(targets, options.space_near * request.camera.max_range);
+      const double most = options.space_worth * space_.edge() * space_.edge();
+      for (std::size_t i = 0; i < space_.size(); ++i) {
+        const bool near = surface(space_.center(i)) > 0.0;
+        const double share = near ? 1.0 : space_.chance(i) / space_.options().prior_chance;
+        targets.push_back({space_.center(i), Eigen::Vector3d::Zero(), std::min(1.0, share) * most,
                            static_cast<int>(std::lround(space_.edge() / voxel))});
+      }
     }
     return targets;
   }
@@ -254,6 +264,8 @@ class RatePlanner {
     std::optional<Candidate> best;
     if (s.targets.size() == 0) return best;
     const Point3 start = s.request.free_space.free_start(from.position);
+    const LazyPrmStar::Reach reach = s.request.roadmap.reach_from(start);
+    const double stop_cost = options.stop_share * s.request.camera.max_range;
     std::array<double, kHeadings> turn;
     for (int k = 0; k < kHeadings; ++k)
       turn[static_cast<std::size_t>(k)] =
@@ -267,7 +279,7 @@ class RatePlanner {
       return false;
     };
     const auto visit = [&](const auto& site) {
-      const double cost = site.distance + options.stop_cost;
+      const double cost = site.distance + stop_cost;
       const auto pays = [&](double worth) { return beats(options.view_share * worth, cost); };
       const auto could_be_best = [&] {
         if (!beats(s.most.at_any_heading(site.cell), cost)) return false;
@@ -280,6 +292,8 @@ class RatePlanner {
       // What has been looked at already costs nothing, and may be the broadest look.
       const auto looked = sites_.find(id);
       if ((looked == sites_.end() || !looked->second.complete()) && !could_be_best()) return true;
+      // Lines of the lattice may lead where no path of the roadmap does.
+      if (!reach(site.position)) return true;
       View& view = view_from(s.targets, id, site.position);
       const auto better = [&](std::size_t k, double worth) {
         return worth > 0.0 && beats(worth, cost + turn[k]);

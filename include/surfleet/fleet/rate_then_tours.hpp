@@ -28,7 +28,8 @@ class RateThenTours {
  public:
   First first;
   Then then;
-  double share = 0.3;  ///< Of the mean rate.
+  /// Of the mean rate: in a team some have nothing good left long before the others.
+  double team_share = 0.4, lone_share = 0.3;
   double broad = 0.3;  ///< Share of the broadest look of the mission that still counts as broad.
   int memory = 4;      ///< Requests a robot that the recent rate is averaged over.
   /// When a new plan is wanted, as in `PlanResult`: in a team what one was sent for others see on
@@ -41,6 +42,7 @@ class RateThenTours {
   PlanResult operator()(const PlanRequest& request) {
     PlanResult result = choose(request);
     result.utility_share = request.robots.size() > 1 ? team_utility_share : lone_utility_share;
+    result.turn_in_flight = true;
     return result;
   }
   /// Whether the second planner is at work.
@@ -63,6 +65,7 @@ class RateThenTours {
     recent_ += (rate - recent_) / std::min(window, static_cast<double>(count_));
     const bool all_idle = std::all_of(request.robots.begin(), request.robots.end(),
                                       [](const RobotRequest& r) { return r.idle; });
+    const double share = request.robots.size() > 1 ? team_share : lone_share;
     touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
     return touring_ ? then(request) : result;
   }

@@ -18,15 +18,25 @@
 #include <surfleet/mapping/voxel_state_map.hpp>
 
 namespace surfleet {
+struct UnseenSpaceOptions {
+  int max_looks = 3;           ///< In vain, after which a cell is given up.
+  double prior_chance = 0.25;  ///< That a cell holds surface, before any was opened.
+  double prior_cells = 20.0;   ///< Cells' worth of experience that this counts as.
+};
+
 /// The border of unseen space in a region, in cells: what a surface that stands by itself, behind
 /// empty space only, can be found by. Incomplete elements do not lead there, as they need surface.
 ///
 /// A cell is unseen as long as its middle voxel is unknown, and on the border if the middle of a
 /// face neighbour is empty. After `max_looks` looks at it in vain a cell is given up: unknown space
-/// in nooks stays what it is.
+/// in nooks stays what it is. What the cells on the border turn out to hold is remembered by
+/// height: there is less to expect of the sky around a tower than of the ground it stands on.
 class UnseenSpace {
  public:
-  explicit UnseenSpace(int max_looks = 3) : max_looks_(max_looks) {}
+  explicit UnseenSpace(UnseenSpaceOptions options = {}) : options_(options) {
+    require(options.prior_chance > 0.0 && options.prior_chance <= 1.0 && options.prior_cells > 0.0,
+            "unseen space: expected a prior chance in (0, 1] of a positive number of cells");
+  }
 
   /// Follows one map for life: the border, in cells `edge` wide (rounded to whole voxels) whose
   /// centre lies in `region`; an empty region means nothing to look for. O(blocks changed since the
@@ -39,6 +49,7 @@ class UnseenSpace {
     if (side != side_ || region.min() != region_.min() || region.max() != region_.max()) {
       border_.clear();
       looks_.clear();
+      opened_.clear();
       cursor_ = 0;
       side_ = side;
       region_ = region;
@@ -60,7 +71,7 @@ class UnseenSpace {
     cursor_ = states.grid().revision();
     for (const VoxelKey& cell : border_) {
       const auto it = looks_.find(cell);
-      if (it == looks_.end() || it->second < max_looks_) cells_.push_back(cell);
+      if (it == looks_.end() || it->second < options_.max_looks) cells_.push_back(cell);
     }
   }
 
@@ -69,6 +80,18 @@ class UnseenSpace {
   /// [m]
   Point3 center(std::size_t i) const { return center(cells_[i]); }
   double edge() const { return edge_; }  ///< Of a cell [m].
+  /// How likely cell `i` holds surface: the share of the cells opened so far at its height, and one
+  /// cell above and below, that did, the prior among them.
+  double chance(std::size_t i) const {
+    double cells = options_.prior_cells, hits = cells * options_.prior_chance;
+    for (int dz = -1; dz <= 1; ++dz)
+      if (const auto it = opened_.find(cells_[i][2] + dz); it != opened_.end()) {
+        cells += it->second.cells;
+        hits += it->second.hits;
+      }
+    return hits / cells;
+  }
+  const UnseenSpaceOptions& options() const { return options_; }
   /// Somebody has looked at cell `i` and it is on the border still.
   void note_look(std::size_t i) { ++looks_[cells_[i]]; }
 
@@ -94,11 +117,23 @@ class UnseenSpace {
         std::any_of(kFaces.begin(), kFaces.end(),
                     [&](const VoxelIndex& d) { return at(cell + d) == VoxelState::empty; }))
       border_.insert(key);
-    else
-      border_.erase(key);
+    else if (border_.erase(key) > 0 && at(cell) != VoxelState::unknown)
+      note_opened(state, cell);
+  }
+  void note_opened(VoxelStateMap::Accessor& state, const VoxelIndex& cell) {
+    bool hit = false;
+    for_each_index(cell * side_, cell * side_ + VoxelIndex::Constant(side_ - 1),
+                   [&](const VoxelIndex& v) { hit = hit || state(v) == VoxelState::occupied; });
+    Layer& layer = opened_[cell.z()];
+    layer.cells += 1.0;
+    layer.hits += hit ? 1.0 : 0.0;
   }
 
-  int max_looks_;
+  /// Cells that were on the border and are known now, and those of them that hold surface.
+  struct Layer {
+    double cells = 0.0, hits = 0.0;
+  };
+  UnseenSpaceOptions options_;
   int side_ = 0;       // of a cell, in voxels
   double edge_ = 0.0;  // the same [m]
   Box3 region_;
@@ -106,5 +141,6 @@ class UnseenSpace {
   std::set<VoxelKey, ByLayer> border_;
   std::vector<VoxelKey> cells_;  // of the border, less what was given up
   std::map<VoxelKey, int> looks_;
+  std::map<int, Layer> opened_;  // by height in cells
 };
 }  // namespace surfleet

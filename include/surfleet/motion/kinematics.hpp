@@ -106,24 +106,40 @@ class AerialMotion {
   void follow(std::span<const Point3> points, double yaw, YawLaw look = {}) {
     goal_yaw_ = yaw;
     look_ = std::move(look);
-    const double v = follower_.speed();
+    follower_.start(way_onto(points), follower_.speed());
+  }
+  /// The way that `follow` would take onto `points`: on along the old course, as little as it takes
+  /// to slow down for the corner that leads to the next point, and from there along `points`.
+  std::vector<Point3> way_onto(std::span<const Point3> points) const {
+    const double v = follower_.speed(), a = follower_.limits().acceleration;
     const Eigen::Vector3d heading = follower_.direction();
     std::vector<Point3> way{follower_.position()};
-    if (points.size() > 1) {
-      const auto& limits = follower_.limits();
-      const Eigen::Vector3d first = points[1] - way[0];
-      const double turn = std::atan2(heading.cross(first).norm(), heading.dot(first));
-      if (v > 1e-6 && turn > 0.02) {
-        const double c = std::cos(0.5 * turn);
-        const double tangent =
-            std::min(1.0, limits.corner_tolerance * std::sqrt(1.0 - c * c) / (1.0 - c));
-        way.push_back(way[0] + heading * (0.5 * v * v / limits.acceleration + tangent));
-      }
-      way.insert(way.end(), points.begin() + 1, points.end());
-    } else if (v > 1e-6) {
-      way.push_back(way[0] + heading * (0.5 * v * v / follower_.limits().acceleration));
+    const double stop = 0.5 * v * v / a;
+    if (points.size() < 2) {
+      if (v > 1e-6) way.push_back(way[0] + heading * stop);
+      return way;
     }
-    follower_.start(way, v);
+    const auto turn_after = [&](double leg) {
+      const Eigen::Vector3d on = points[1] - way[0] - heading * leg;
+      return std::atan2(heading.cross(on).norm(), heading.dot(on));
+    };
+    if (v > 1e-6 && turn_after(0.0) > 0.02) {
+      // The least that will do, in steps; after the corner there may be a stop at once.
+      const auto will_do = [&](double leg) {
+        const double next = (points[1] - way[0] - heading * leg).norm();
+        const auto corner = follower_.limits().corner(turn_after(leg), leg, next);
+        const double left = std::max(0.0, next - corner.tangent);
+        const double end = std::min(corner.speed * corner.speed, 2.0 * a * left);
+        return v * v <= end + 2.0 * a * (leg - corner.tangent);
+      };
+      constexpr int kSteps = 64;
+      const double longest = 2.0 * stop;  // an arc begins in the second half of its leg
+      double leg = longest / kSteps;
+      while (leg < longest && !will_do(leg)) leg += longest / kSteps;
+      way.push_back(way[0] + heading * leg);
+    }
+    way.insert(way.end(), points.begin() + 1, points.end());
+    return way;
   }
 
   Configuration advance(double dt) {
@@ -146,6 +162,7 @@ class AerialMotion {
   Configuration configuration() const { return {follower_.position(), heading_.yaw}; }
   Eigen::Vector3d velocity() const { return follower_.direction() * follower_.speed(); }
   double stopping_distance() const { return follower_.stopping_distance(); }
+  bool braking() const { return follower_.braking(); }
   bool standing() const { return follower_.speed() <= 0.0; }
   /// At the end of the path with the goal's heading.
   bool finished() const { return follower_.at_end() && heading_.at(goal_yaw_); }

@@ -21,6 +21,27 @@ struct FollowerLimits {
   double turn_rate = 1e9;
   /// Corners sharper than this are not rounded: one stops there [rad].
   double pivot_angle = radians(170.0);
+
+  /// How a corner is taken: the arc begins `tangent` before it and ends as far behind.
+  struct Corner {
+    double speed = 0.0;    ///< 0: one stops there [m/s].
+    double tangent = 0.0;  ///< [m]
+    double radius = 0.0;   ///< 0: no arc [m].
+  };
+  /// The corner that turns by `turn` [rad] between legs so long [m].
+  Corner corner(double turn, double before, double after) const {
+    if (turn >= pivot_angle) return {};
+    if (turn <= 1e-6) return {.speed = speed};
+    const double c = std::cos(0.5 * turn), t = std::tan(0.5 * turn);
+    const double tangent =
+        std::min({corner_tolerance * c / (1.0 - c) * t, 0.5 * before, 0.5 * after});
+    const double radius = tangent / t;
+    if (radius < 1e-6) return {};
+    return {.speed = std::min(
+                {speed, turn_rate * radius, std::sqrt(acceleration * std::sqrt(0.5) * radius)}),
+            .tangent = tangent,
+            .radius = radius};
+  }
 };
 
 /// A point that moves along a polyline whose corners are replaced by tangent arcs.
@@ -193,41 +214,31 @@ class PathFollower {
       Piece line{.start = vertices_[i] + d * cut, .direction = d};
       line.limit = limits_.speed;
       line.next_vertex = i + 1;
+      FollowerLimits::Corner corner;
       Piece arc;
-      double tangent = 0.0;
-      bool pivot = true;
       if (i + 2 < n) {
         const Eigen::Vector3d on = vertices_[i + 2] - vertices_[i + 1];
         const Eigen::Vector3d e = on.normalized();
         const double turn = std::atan2(d.cross(e).norm(), d.dot(e));
-        pivot = turn >= limits_.pivot_angle;
-        if (!pivot && turn > 1e-6) {
-          const double c = std::cos(0.5 * turn), t = std::tan(0.5 * turn);
-          tangent = std::min(
-              {limits_.corner_tolerance * c / (1.0 - c) * t, 0.5 * length, 0.5 * on.norm()});
-          arc.radius = tangent / t;
-          pivot = arc.radius < 1e-6;
-          if (!pivot) {
-            arc.start = vertices_[i + 1] - d * tangent;
-            arc.direction = d;
-            arc.inward = (e - d.dot(e) * d).normalized();
-            arc.length = arc.radius * turn;
-            arc.limit = std::min({limits_.speed, limits_.turn_rate * arc.radius,
-                                  std::sqrt(limits_.acceleration * std::sqrt(0.5) * arc.radius)});
-            arc.next_vertex = i + 2;
-          } else {
-            tangent = 0.0;
-          }
+        corner = limits_.corner(turn, length, on.norm());
+        if (corner.radius > 0.0) {
+          arc.start = vertices_[i + 1] - d * corner.tangent;
+          arc.direction = d;
+          arc.inward = (e - d.dot(e) * d).normalized();
+          arc.radius = corner.radius;
+          arc.length = corner.radius * turn;
+          arc.limit = corner.speed;
+          arc.next_vertex = i + 2;
         }
       }
-      line.length = std::max(0.0, length - cut - tangent);
-      line.end_speed = pivot ? 0.0 : limits_.speed;
+      line.length = std::max(0.0, length - cut - corner.tangent);
+      line.end_speed = corner.speed > 0.0 ? limits_.speed : 0.0;
       pieces_.push_back(line);
-      if (tangent > 0.0) {
+      if (corner.tangent > 0.0) {
         arc.end_speed = limits_.speed;
         pieces_.push_back(arc);
       }
-      cut = tangent;
+      cut = corner.tangent;
     }
     pieces_.back().end_speed = 0.0;
     for (std::size_t i = pieces_.size() - 1; i-- > 0;) {
