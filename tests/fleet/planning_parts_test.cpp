@@ -527,6 +527,16 @@ TEST(what_unseen_space_held_tells_what_it_may_hold) {
   for (const double z : {1.5, 2.5, 3.5}) CHECK_NEAR(chance_at(z), 1.0 / 12.0, 1e-12);
   for (const double z : {-3.5, -2.5, -1.5}) CHECK_NEAR(chance_at(z), 4.0 / 12.0, 1e-12);
   for (const double z : {-0.5, 0.5}) CHECK_NEAR(chance_at(z), 0.25, 1e-12);
+  // What was near surface when it was opened does not count; told once, it holds for one update.
+  for (const int side : {-20, -10}) {
+    for (std::size_t i = 0; i < space.size(); ++i)
+      if (side == -20 && space.center(i).z() < -3.0) space.note_near(i);
+    map_test::paint(map, {15, side, -20}, {19, side + 9, -16},
+                    [](const VoxelIndex&) { return VoxelState::empty; });
+    states.update(map);
+    space.update(states, region, 1.0);
+    CHECK_NEAR(chance_at(-3.5), side == -20 ? 4.0 / 12.0 : 4.0 / 14.0, 1e-12);
+  }
   // Asked again it is not counted again; another region starts anew.
   space.update(states, region, 1.0);
   CHECK_NEAR(chance_at(2.5), 1.0 / 12.0, 1e-12);

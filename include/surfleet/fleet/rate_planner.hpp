@@ -32,7 +32,7 @@ struct RatePlannerOptions {
   /// The least that an element counts, however small its voxel: left behind, it costs a stop [m²].
   double element_worth = 0.09;
   /// Worth of the border to unseen space beside surface at hand, for what it may hide; 0: none.
-  /// Far from any surface at hand it counts less the less of it held surface so far.
+  /// Far from any surface at hand it counts less the less of what was opened there held surface.
   double space_worth = 0.5;
   double space_near = 0.6;    ///< So near is not far, over the range.
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
@@ -174,6 +174,7 @@ class RatePlanner {
       const double most = options.space_worth * space_.edge() * space_.edge();
       for (std::size_t i = 0; i < space_.size(); ++i) {
         const bool near = surface(space_.center(i)) > 0.0;
+        if (near) space_.note_near(i);
         const double share = near ? 1.0 : space_.chance(i) / space_.options().prior_chance;
         targets.push_back({space_.center(i), Eigen::Vector3d::Zero(), std::min(1.0, share) * most,
                            static_cast<int>(std::lround(space_.edge() / voxel))});

@@ -29,12 +29,12 @@ class RateThenTours {
   First first;
   Then then;
   /// Of the mean rate: in a team some have nothing good left long before the others.
-  double team_share = 0.4, lone_share = 0.3;
+  double team_share = 0.4, lone_share = 0.2;
   double broad = 0.3;  ///< Share of the broadest look of the mission that still counts as broad.
   int memory = 4;      ///< Requests a robot that the recent rate is averaged over.
   /// When a new plan is wanted, as in `PlanResult`: in a team what one was sent for others see on
-  /// their way; who is alone does better to carry on.
-  double team_utility_share = 0.1, lone_utility_share = 0.8;
+  /// their way, besides.
+  double team_utility_share = 0.1, lone_utility_share = 0.2;
 
   explicit RateThenTours(First f = First{}, Then t = Then{})
       : first(std::move(f)), then(std::move(t)) {}

@@ -30,7 +30,8 @@ struct UnseenSpaceOptions {
 /// A cell is unseen as long as its middle voxel is unknown, and on the border if the middle of a
 /// face neighbour is empty. After `max_looks` looks at it in vain a cell is given up: unknown space
 /// in nooks stays what it is. What the cells on the border turn out to hold is remembered by
-/// height: there is less to expect of the sky around a tower than of the ground it stands on.
+/// height: there is less to expect of the sky around a tower than of the ground it stands on. Cells
+/// near known surface tell nothing of what stands by itself, and may be left out.
 class UnseenSpace {
  public:
   explicit UnseenSpace(UnseenSpaceOptions options = {}) : options_(options) {
@@ -50,6 +51,7 @@ class UnseenSpace {
       border_.clear();
       looks_.clear();
       opened_.clear();
+      near_.clear();
       cursor_ = 0;
       side_ = side;
       region_ = region;
@@ -69,6 +71,7 @@ class UnseenSpace {
       });
     }
     cursor_ = states.grid().revision();
+    near_.clear();
     for (const VoxelKey& cell : border_) {
       const auto it = looks_.find(cell);
       if (it == looks_.end() || it->second < options_.max_looks) cells_.push_back(cell);
@@ -92,6 +95,9 @@ class UnseenSpace {
     return hits / cells;
   }
   const UnseenSpaceOptions& options() const { return options_; }
+  /// Cell `i` is near known surface: `chance` is not told what it holds if it is opened by the next
+  /// update.
+  void note_near(std::size_t i) { near_.insert(cells_[i]); }
   /// Somebody has looked at cell `i` and it is on the border still.
   void note_look(std::size_t i) { ++looks_[cells_[i]]; }
 
@@ -117,7 +123,7 @@ class UnseenSpace {
         std::any_of(kFaces.begin(), kFaces.end(),
                     [&](const VoxelIndex& d) { return at(cell + d) == VoxelState::empty; }))
       border_.insert(key);
-    else if (border_.erase(key) > 0 && at(cell) != VoxelState::unknown)
+    else if (border_.erase(key) > 0 && at(cell) != VoxelState::unknown && !near_.contains(key))
       note_opened(state, cell);
   }
   void note_opened(VoxelStateMap::Accessor& state, const VoxelIndex& cell) {
@@ -141,6 +147,7 @@ class UnseenSpace {
   std::set<VoxelKey, ByLayer> border_;
   std::vector<VoxelKey> cells_;  // of the border, less what was given up
   std::map<VoxelKey, int> looks_;
+  std::set<VoxelKey> near_;      // of the border
   std::map<int, Layer> opened_;  // by height in cells
 };
 }  // namespace surfleet
