@@ -32,9 +32,11 @@ struct RatePlannerOptions {
   /// The least that an element counts, however small its voxel: left behind, it costs a stop [m²].
   double element_worth = 0.09;
   /// Worth of the border to unseen space beside surface at hand, for what it may hide; 0: none.
-  /// Far from any surface at hand it counts less the less of what was opened there held surface.
+  /// It counts less the less surface is to be seen around, and far from any the less of what was
+  /// opened there held surface.
   double space_worth = 0.5;
-  double space_near = 0.6;    ///< So near is not far, over the range.
+  double space_near = 0.6;  ///< So near is not far, over the range.
+  double space_full = 0.3;  ///< Surface near by that makes it count fully, over the range squared.
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
   int stops = 2;              ///< Stops planned ahead for each robot.
   /// What one look is thought to see at the most of the worth around a place: where that much would
@@ -168,14 +170,16 @@ class RatePlanner {
                          static_cast<int>(reach / voxel)});
     first_space_ = targets.size();
     if (options.space_worth > 0.0) {
-      space_.update(request.observed, request.region,
-                    options.space_share * request.camera.max_range);
-      const WorthAround surface(targets, options.space_near * request.camera.max_range);
+      const double range = request.camera.max_range;
+      space_.update(request.observed, request.region, options.space_share * range);
+      const WorthAround surface(targets, options.space_near * range);
+      const double full = options.space_full * range * range;
       const double most = options.space_worth * space_.edge() * space_.edge();
       for (std::size_t i = 0; i < space_.size(); ++i) {
-        const bool near = surface(space_.center(i)) > 0.0;
-        if (near) space_.note_near(i);
-        const double share = near ? 1.0 : space_.chance(i) / space_.options().prior_chance;
+        const double near = surface(space_.center(i));
+        if (near > 0.0) space_.note_near(i);
+        const double share = std::max(near > 0.0 ? near / full : 0.0,
+                                      space_.chance(i) / space_.options().prior_chance);
         targets.push_back({space_.center(i), Eigen::Vector3d::Zero(), std::min(1.0, share) * most,
                            static_cast<int>(std::lround(space_.edge() / voxel))});
       }
