@@ -32,11 +32,14 @@ struct RatePlannerOptions {
   /// The least that an element counts, however small its voxel: left behind, it costs a stop [m²].
   double element_worth = 0.09;
   /// Worth of the border to unseen space beside surface at hand, for what it may hide; 0: none.
-  /// It counts less the less surface is to be seen around, and far from any the less of what was
-  /// opened there held surface.
+  /// It counts by how much surface is to be seen around, and far from any the less the less of what
+  /// was opened there held surface.
   double space_worth = 0.5;
   double space_near = 0.6;  ///< So near is not far, over the range.
   double space_full = 0.3;  ///< Surface near by that makes it count fully, over the range squared.
+  /// The same for a team, and how many times the full worth it may be at the most: where robots can
+  /// fly only what was seen empty, the team is no faster than space is opened before it.
+  double team_space_full = 0.8, team_space_most = 4.0;
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
   int stops = 2;              ///< Stops planned ahead for each robot.
   /// What one look is thought to see at the most of the worth around a place: where that much would
@@ -173,14 +176,17 @@ class RatePlanner {
       const double range = request.camera.max_range;
       space_.update(request.observed, request.region, options.space_share * range);
       const WorthAround surface(targets, options.space_near * range);
-      const double full = options.space_full * range * range;
-      const double most = options.space_worth * space_.edge() * space_.edge();
+      const bool team = request.robots.size() > 1;
+      const double full = (team ? options.team_space_full : options.space_full) * range * range;
+      const double limit = team ? options.team_space_most : 1.0;
+      const double unit = options.space_worth * space_.edge() * space_.edge();
       for (std::size_t i = 0; i < space_.size(); ++i) {
         const double near = surface(space_.center(i));
         if (near > 0.0) space_.note_near(i);
-        const double share = std::max(near > 0.0 ? near / full : 0.0,
-                                      space_.chance(i) / space_.options().prior_chance);
-        targets.push_back({space_.center(i), Eigen::Vector3d::Zero(), std::min(1.0, share) * most,
+        const double share =
+            std::max(near > 0.0 ? std::min(limit, near / full) : 0.0,
+                     std::min(1.0, space_.chance(i) / space_.options().prior_chance));
+        targets.push_back({space_.center(i), Eigen::Vector3d::Zero(), share * unit,
                            static_cast<int>(std::lround(space_.edge() / voxel))});
       }
     }
