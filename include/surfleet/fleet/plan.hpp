@@ -52,6 +52,8 @@ struct PlanRequest {
   std::span<const RobotRequest> robots;
   double time = 0.0;        ///< Of the mission [s].
   std::uint64_t round = 0;  ///< Number of this request: a seed that never repeats.
+
+  bool is_team() const { return robots.size() > 1; }  ///< Or one robot alone.
 };
 
 /// New routes and the elements for which the planner found none.

@@ -176,7 +176,7 @@ class RatePlanner {
       const double range = request.camera.max_range;
       space_.update(request.observed, request.region, options.space_share * range);
       const WorthAround surface(targets, options.space_near * range);
-      const bool team = request.robots.size() > 1;
+      const bool team = request.is_team();
       const double full = (team ? options.team_space_full : options.space_full) * range * range;
       const double limit = team ? options.team_space_most : 1.0;
       const double unit = options.space_worth * space_.edge() * space_.edge();

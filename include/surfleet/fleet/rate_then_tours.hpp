@@ -41,7 +41,7 @@ class RateThenTours {
 
   PlanResult operator()(const PlanRequest& request) {
     PlanResult result = choose(request);
-    result.utility_share = request.robots.size() > 1 ? team_utility_share : lone_utility_share;
+    result.utility_share = request.is_team() ? team_utility_share : lone_utility_share;
     result.turn_in_flight = true;
     return result;
   }
@@ -65,7 +65,7 @@ class RateThenTours {
     recent_ += (rate - recent_) / std::min(window, static_cast<double>(count_));
     const bool all_idle = std::all_of(request.robots.begin(), request.robots.end(),
                                       [](const RobotRequest& r) { return r.idle; });
-    const double share = request.robots.size() > 1 ? team_share : lone_share;
+    const double share = request.is_team() ? team_share : lone_share;
     touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
     return touring_ ? then(request) : result;
   }

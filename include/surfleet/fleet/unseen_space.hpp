@@ -43,15 +43,18 @@ class UnseenSpace {
   /// centre lies in `region`; an empty region means nothing to look for. O(blocks changed since the
   /// last call), and all of them where the region or the width is a new one.
   void update(const VoxelStateMap& states, const Box3& region, double edge) {
-    cells_.clear();
-    if (region.isEmpty()) return;
+    if (region.isEmpty()) {
+      cells_.clear();
+      near_.clear();
+      return;
+    }
     require(edge > 0.0 && std::isfinite(edge), "unseen space: expected cells of a positive width");
     const int side = std::max(1, static_cast<int>(std::lround(edge / states.voxel_size())));
     if (side != side_ || region.min() != region_.min() || region.max() != region_.max()) {
       border_.clear();
       looks_.clear();
       opened_.clear();
-      near_.clear();
+      cells_.clear();
       cursor_ = 0;
       side_ = side;
       region_ = region;
@@ -71,11 +74,12 @@ class UnseenSpace {
       });
     }
     cursor_ = states.grid().revision();
-    near_.clear();
+    cells_.clear();
     for (const VoxelKey& cell : border_) {
       const auto it = looks_.find(cell);
       if (it == looks_.end() || it->second < options_.max_looks) cells_.push_back(cell);
     }
+    near_.assign(cells_.size(), 0);
   }
 
   /// The border as of the last update, in the order z, y, x.
@@ -97,7 +101,7 @@ class UnseenSpace {
   const UnseenSpaceOptions& options() const { return options_; }
   /// Cell `i` is near known surface: `chance` is not told what it holds if it is opened by the next
   /// update.
-  void note_near(std::size_t i) { near_.insert(cells_[i]); }
+  void note_near(std::size_t i) { near_[i] = 1; }
   /// Somebody has looked at cell `i` and it is on the border still.
   void note_look(std::size_t i) { ++looks_[cells_[i]]; }
 
@@ -123,8 +127,13 @@ class UnseenSpace {
         std::any_of(kFaces.begin(), kFaces.end(),
                     [&](const VoxelIndex& d) { return at(cell + d) == VoxelState::empty; }))
       border_.insert(key);
-    else if (border_.erase(key) > 0 && at(cell) != VoxelState::unknown && !near_.contains(key))
+    else if (border_.erase(key) > 0 && at(cell) != VoxelState::unknown && !was_near(key))
       note_opened(state, cell);
+  }
+  bool was_near(const VoxelKey& cell) const {
+    const auto it = std::lower_bound(cells_.begin(), cells_.end(), cell, ByLayer{});
+    return it != cells_.end() && *it == cell &&
+           near_[static_cast<std::size_t>(it - cells_.begin())] != 0;
   }
   void note_opened(VoxelStateMap::Accessor& state, const VoxelIndex& cell) {
     bool hit = false;
@@ -147,7 +156,7 @@ class UnseenSpace {
   std::set<VoxelKey, ByLayer> border_;
   std::vector<VoxelKey> cells_;  // of the border, less what was given up
   std::map<VoxelKey, int> looks_;
-  std::set<VoxelKey> near_;      // of the border
+  std::vector<char> near_;       // by cell, as told since the last update
   std::map<int, Layer> opened_;  // by height in cells
 };
 }  // namespace surfleet
