@@ -327,6 +327,43 @@ TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
   CHECK(remembered * 2 < anew);  // what cannot be reached is always asked about
 }
 
+/// All that a planner is asked with, of a map that stands still.
+struct StillMission {
+  StillMission(const TsdfMap& map, const FreeSpaceOptions& body, PinholeCamera c, const Box3& box)
+      : states(map), free(states, body), camera(c), region(box) {
+    incomplete.update(states);
+    work = incomplete.elements();
+  }
+  StillMission(const StillMission&) = delete;
+  StillMission& operator=(const StillMission&) = delete;
+
+  PlanRequest request(std::span<const RobotRequest> robots) {
+    return {.work = work,
+            .incomplete = incomplete,
+            .known = states,
+            .observed = states,
+            .ledger = ledger,
+            .free_space = free,
+            .roadmap = roadmap,
+            .camera = camera,
+            .T_body_camera = mount,
+            .headings = headings,
+            .region = region,
+            .robots = robots};
+  }
+
+  const VoxelStateMap states;
+  const FreeSpace free;
+  LazyPrmStar roadmap{free};
+  IncompleteSurface incomplete;
+  std::vector<IncompleteElement> work;
+  const PinholeCamera camera;
+  const Pose mount = forward_camera_mount();
+  const HeadingTable headings{camera, mount};
+  const LookLedger ledger;
+  const Box3 region;
+};
+
 TEST(nobody_is_sent_where_he_cannot_get) {
   constexpr double kVoxel = 0.3;
   TsdfMap map({.voxel_size = kVoxel});
@@ -334,17 +371,9 @@ TEST(nobody_is_sent_where_he_cannot_get) {
   map_test::paint(map, {-36, -24, 0}, {36, 24, 13}, [](const VoxelIndex& v) {
     return std::abs(v.x() - 3) < 2 ? VoxelState::occupied : among_pillars(v);
   });
-  const VoxelStateMap states(map);
-  const FreeSpace free(states, {.radius = 0.4, .margin = 0.3});
-  LazyPrmStar roadmap(free);
-  IncompleteSurface incomplete;
-  incomplete.update(states);
-  const std::vector<IncompleteElement> work = incomplete.elements();
-  const PinholeCamera camera = PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0);
-  const Pose mount = forward_camera_mount();
-  const HeadingTable headings(camera, mount);
-  const LookLedger ledger;
-  const Box3 region(Point3(-10.0, -7.0, 0.0), Point3(10.0, 7.0, 3.5));
+  StillMission still(map, {.radius = 0.4, .margin = 0.3},
+                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0),
+                     Box3(Point3(-10.0, -7.0, 0.0), Point3(10.0, 7.0, 3.5)));
   const auto check = [&](auto planner) {
     std::size_t stops = 0;
     Random random(4);
@@ -352,26 +381,16 @@ TEST(nobody_is_sent_where_he_cannot_get) {
       std::vector<RobotRequest> robots;
       while (robots.size() < 3) {
         const Point3 p(random.uniform(-8, 8), random.uniform(-6, 6), random.uniform(1, 2.5));
-        if (free.is_free(p)) robots.push_back({{p, 0.0}, true, {}});
+        if (still.free.is_free(p)) robots.push_back({{p, 0.0}, true, {}});
       }
-      const PlanResult result = planner(PlanRequest{.work = work,
-                                                    .incomplete = incomplete,
-                                                    .known = states,
-                                                    .observed = states,
-                                                    .ledger = ledger,
-                                                    .free_space = free,
-                                                    .roadmap = roadmap,
-                                                    .camera = camera,
-                                                    .T_body_camera = mount,
-                                                    .headings = headings,
-                                                    .region = region,
-                                                    .robots = robots});
+      const PlanResult result = planner(still.request(robots));
       std::size_t served = 0;
       for (std::size_t r = 0; r < robots.size(); ++r) {
         if (!result.routes[r]) continue;
         served += result.routes[r]->empty() ? 0 : 1;
         for (const Stop& stop : *result.routes[r]) {
-          CHECK(roadmap.reachable(robots[r].configuration.position, stop.configuration.position));
+          CHECK(still.roadmap.reachable(robots[r].configuration.position,
+                                        stop.configuration.position));
           ++stops;
         }
       }
@@ -395,38 +414,19 @@ TEST(flights_by_rate_end_where_the_roadmap_leads) {
     const double u = random.uniform();
     return u < 0.1 ? VoxelState::occupied : u < 0.2 ? VoxelState::unknown : VoxelState::empty;
   });
-  const VoxelStateMap states(map);
   const Box3 region(Point3(-4.5, -4.5, -2.2), Point3(4.5, 4.5, 2.2));
-  const FreeSpace free(states, {.radius = 0.2, .bounds = region, .margin = 0.1});
-  LazyPrmStar roadmap(free);
-  IncompleteSurface incomplete;
-  incomplete.update(states);
-  const std::vector<IncompleteElement> work = incomplete.elements();
-  const PinholeCamera camera = PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0);
-  const Pose mount = forward_camera_mount();
-  const HeadingTable headings(camera, mount);
-  const LookLedger ledger;
+  StillMission still(map, {.radius = 0.2, .bounds = region, .margin = 0.1},
+                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
   RatePlanner planner;
   int stops = 0;
   while (stops < 150) {
     const Point3 p(random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(-2, 2));
-    if (!free.is_free(p)) continue;
+    if (!still.free.is_free(p)) continue;
     const std::vector<RobotRequest> robots{{{p, 0.0}, true, {}}};
-    const PlanResult result = planner(PlanRequest{.work = work,
-                                                  .incomplete = incomplete,
-                                                  .known = states,
-                                                  .observed = states,
-                                                  .ledger = ledger,
-                                                  .free_space = free,
-                                                  .roadmap = roadmap,
-                                                  .camera = camera,
-                                                  .T_body_camera = mount,
-                                                  .headings = headings,
-                                                  .region = region,
-                                                  .robots = robots});
+    const PlanResult result = planner(still.request(robots));
     Point3 from = p;
     for (const Stop& stop : *result.routes[0]) {
-      CHECK(roadmap.query(from, stop.configuration.position).has_value());
+      CHECK(still.roadmap.query(from, stop.configuration.position).has_value());
       from = stop.configuration.position;
     }
     ++stops;
