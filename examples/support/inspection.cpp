@@ -112,6 +112,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   o.tsdf.truncation = 3.0 * s.voxel;
   o.body_radius = s.radius;
   o.margin = s.margin;
+  o.unknown_margin = s.unknown_margin;
   // The operator knows the place he starts from: nothing of the structure is nearer than this to
   // any start, as far as it takes until the camera's image is as high as the body.
   const double needed = s.radius + s.margin + s.voxel;

@@ -15,11 +15,11 @@
 #include <surfleet/core/error.hpp>
 
 namespace surfleet::examples {
-/// What the seeds set for each scene [000 Tables 2.1, 3.1], and the margin that goes with it; as it
+/// What the seeds set for each scene [000 Tables 2.1, 3.1], and the margins that go with it; as it
 /// stands, for the power plant.
 struct ScenePreset {
   double voxel = 0.3;
-  double margin = 0.35;
+  double margin = 0.35, unknown_margin = 0.35;
   std::vector<double> range{1.6, 8.0};
   double standoff = 4.7;
   double cluster_radius = 2.0;
@@ -32,6 +32,7 @@ inline ScenePreset preset_by_name(std::string_view name) {
   if (name == "statue")
     return {.voxel = 0.15,
             .margin = 0.4,  // its crown has spikes that such voxels know only in part
+            .unknown_margin = 0.15,
             .range = {1.0, 5.0},
             .standoff = 3.6,
             .cluster_radius = 2.5,
@@ -87,6 +88,8 @@ class InspectionOptions {
     app.add("--speed", settings.speed, "nominal speed [m/s]");
     app.add("--radius", settings.radius, "of a drone's body [m]");
     app.add("--margin", settings.margin, "kept beyond the body [m]");
+    app.add("--unknown-margin", settings.unknown_margin,
+            "the same from what is unknown [m]; as a rule a voxel");
     app.add("--start", settings.start, "place of the first drone [m]").expected(3);
     app.add("--bounds", settings.bounds, "flight space x0 y0 z0 x1 y1 z1 [m]").expected(6);
     app.add("--ground", settings.ground, "height of a ground plane under the mesh [m]");
@@ -116,6 +119,9 @@ class InspectionOptions {
     };
     keep("--voxel", &InspectionSettings::voxel);
     keep("--margin", &InspectionSettings::margin);
+    keep("--unknown-margin", &InspectionSettings::unknown_margin);
+    if (!app_.was_given("--unknown-margin"))
+      s.unknown_margin = std::min(s.margin, std::max(s.unknown_margin, s.voxel));
     keep("--range", &InspectionSettings::range);
     keep("--standoff", &InspectionSettings::standoff);
     keep("--cluster-radius", &InspectionSettings::cluster_radius);
@@ -149,6 +155,8 @@ class InspectionOptions {
     positive(s.speed, "--speed");
     positive(s.radius, "--radius");
     positive(s.margin, "--margin");
+    positive(s.unknown_margin, "--unknown-margin");
+    require(s.unknown_margin <= s.margin, "--unknown-margin: expected at most --margin");
     positive(s.max_time, "--max-time");
     positive(s.known_weight, "--known-weight");
     positive(s.cluster_radius, "--cluster-radius");

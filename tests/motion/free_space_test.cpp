@@ -12,24 +12,38 @@ namespace {
 using namespace surfleet;
 using namespace motion_scenes;
 
+/// Whether a voxel is an obstacle, by looking at all voxels around for an occupied one within the
+/// growth [voxels].
+bool brute_obstacle(const FreeSpace& space, const VoxelIndex& v) {
+  const FreeSpaceOptions& o = space.options();
+  if (space.map()(v) == VoxelState::unknown && o.unknown_is_obstacle) return true;
+  const double h = space.voxel_size(), margin = o.margin.value_or(h);
+  const double more = o.unknown_is_obstacle ? margin - o.unknown_margin.value_or(margin) : 0.0;
+  const double growth = more > 0.0 ? more / h + 0.5 : 0.0;
+  const VoxelIndex most = VoxelIndex::Constant(static_cast<int>(growth));
+  bool grown = false;
+  for_each_index(v - most, v + most, [&](const VoxelIndex& w) {
+    grown = grown ||
+            (space.map()(w) == VoxelState::occupied && (w - v).cast<double>().norm() <= growth);
+  });
+  return grown;
+}
 /// Distance to the nearest obstacle voxel's centre by looking at all of them within `reach`.
 double brute_distance(const FreeSpace& space, const Point3& p, double reach) {
   double best = reach;
   const VoxelIndex lo = space.grid().index_of(p - Point3::Constant(reach));
   const VoxelIndex hi = space.grid().index_of(p + Point3::Constant(reach));
   for_each_index(lo, hi, [&](const VoxelIndex& v) {
-    const VoxelState s = space.map()(v);
-    if (s == VoxelState::occupied ||
-        (s == VoxelState::unknown && space.options().unknown_is_obstacle))
-      best = std::min(best, (space.grid().center(v) - p).norm());
+    const double distance = (space.grid().center(v) - p).norm();
+    if (distance < best && brute_obstacle(space, v)) best = distance;
   });
   return best;
 }
 
-void grow_and_compare(bool unknown_is_obstacle, double radius, double voxel) {
+void grow_and_compare(const FreeSpaceOptions& options, double voxel) {
   TsdfMap tsdf({.voxel_size = voxel});
   VoxelStateMap states(tsdf);
-  FreeSpace space(states, {.radius = radius, .unknown_is_obstacle = unknown_is_obstacle});
+  FreeSpace space(states, options);
   Random random(7);
   Boxes scene{{box(-1, -1, -1, 0.5, 0.4, 0.3)}};
   const double range = 10 * voxel;
@@ -51,6 +65,7 @@ void grow_and_compare(bool unknown_is_obstacle, double radius, double voxel) {
                          static_cast<int>(random.below(60)) - 30);
       differences += a.squared(v) != b.squared(v) ? 1 : 0;
       differences += space.is_free_voxel(v) != fresh.is_free_voxel(v) ? 1 : 0;
+      wrong += space.is_obstacle(v) != brute_obstacle(space, v) ? 1 : 0;
     }
     const double reach = space.required_distance() + 3 * voxel;
     for (int i = 0; i < 60; ++i) {
@@ -74,10 +89,39 @@ void grow_and_compare(bool unknown_is_obstacle, double radius, double voxel) {
 }  // namespace
 
 TEST(incremental_equals_fresh_and_bounds_hold) {
-  grow_and_compare(true, 0.6, 0.3);
-  grow_and_compare(false, 0.6, 0.3);
-  grow_and_compare(true, 1.0, 0.15);
-  grow_and_compare(false, 0.9, 0.15);
+  grow_and_compare({.radius = 0.6}, 0.3);
+  grow_and_compare({.radius = 0.6, .unknown_is_obstacle = false}, 0.3);
+  grow_and_compare({.radius = 1.0}, 0.15);
+  grow_and_compare({.radius = 0.9, .unknown_is_obstacle = false}, 0.15);
+  // Nearer to what is unknown than to what is occupied.
+  grow_and_compare({.radius = 0.4, .margin = 0.4, .unknown_margin = 0.15}, 0.15);
+  grow_and_compare({.radius = 0.6, .margin = 0.4, .unknown_margin = 0.35}, 0.3);
+  grow_and_compare({.radius = 0.3, .margin = 0.9, .unknown_margin = 0.0}, 0.15);
+}
+
+TEST(margins_of_what_is_occupied_and_of_what_is_unknown) {
+  TsdfMap tsdf({.voxel_size = 0.15});
+  const Boxes scene{{box(-4, -4, -2, 4, 4, 0)}};
+  observe(tsdf, box(-3, -3, -2, 3, 3, 3), scene);
+  VoxelStateMap states(tsdf);
+  const FreeSpaceOptions wide{.radius = 0.5, .margin = 0.6};
+  FreeSpaceOptions both = wide;
+  both.unknown_margin = 0.15;
+  const FreeSpace before(states, wide), space(states, both);
+  // Over the ground the margin is the wide one, towards the sky the small one.
+  const auto lowest = [](const FreeSpace& s) {
+    double z = 0.0;
+    while (!s.is_free({0, 0, z})) z += 0.01;
+    return z;
+  };
+  const auto highest = [](const FreeSpace& s) {
+    double z = 3.0;
+    while (!s.is_free({0, 0, z})) z -= 0.01;
+    return z;
+  };
+  CHECK(std::abs(lowest(space) - lowest(before)) <= 0.5 * 0.15 + 0.02);
+  CHECK(highest(space) - highest(before) > 0.6 - 0.15 - 0.04);
+  CHECK(highest(space) - highest(before) < 0.6 - 0.15 + 0.04);
 }
 
 TEST(free_positions_keep_the_radius_from_a_smooth_surface) {
@@ -222,6 +266,9 @@ TEST(free_space_settings_are_checked) {
   CHECK_THROWS(Error, FreeSpace(states, {.radius = -1.0}));
   CHECK_THROWS(Error, FreeSpace(states, {.radius = 5.0}));
   CHECK_THROWS(Error, FreeSpace(states, {.radius = 0.5, .margin = -0.1}));
+  CHECK_THROWS(Error, FreeSpace(states, {.radius = 0.5, .margin = 0.1, .unknown_margin = 0.2}));
+  CHECK_THROWS(Error, FreeSpace(states, {.radius = 0.5, .margin = 0.1, .unknown_margin = -0.1}));
+  CHECK_THROWS(Error, FreeSpace(states, {.radius = 0.5, .margin = 0.9, .unknown_margin = 0.1}));
   FreeSpace space(states, {.radius = 0.5});
   CHECK(!space.is_free({std::numeric_limits<double>::quiet_NaN(), 0, 0}));
   CHECK(!space.is_free({1e30, 0, 0}));

@@ -59,6 +59,7 @@ struct MissionOptions {
   TsdfOptions tsdf;              ///< A truncation of 0 stands for three voxels.
   double body_radius = 1.0;      ///< [m]
   double margin = 0.0;           ///< Kept beyond the body [m]; 0 stands for one voxel.
+  double unknown_margin = 0.0;   ///< The same from what is unknown [m]; 0 stands for `margin`.
   double start_clearance = 2.5;  ///< What is known to be free around every start [m].
   AerialLimits limits;
   double image_period = 0.25;  ///< Between a robot's images, and the step of the clock [s].
@@ -133,9 +134,10 @@ class Mission {
         flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
                         .occupied_below = 0.5 * options_.voxel_size}),
         incomplete_({.known_weight = options_.known_weight, .region = options_.region}),
-        free_(
-            flyable_,
-            {.radius = options_.body_radius, .bounds = options_.bounds, .margin = options_.margin}),
+        free_(flyable_, {.radius = options_.body_radius,
+                         .bounds = options_.bounds,
+                         .margin = options_.margin,
+                         .unknown_margin = options_.unknown_margin}),
         roadmap_(free_, {.seed = options_.seed}),
         headings_(options_.camera, options_.T_body_camera),
         frustum_(options_.camera, options_.T_body_camera),
@@ -221,6 +223,7 @@ class Mission {
       require(o.bounds.contains(s.position), "start outside the bounds: expected a start inside");
     if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
     if (o.margin <= 0.0) o.margin = o.voxel_size;
+    if (o.unknown_margin <= 0.0) o.unknown_margin = o.margin;
     o.tsdf.threads = o.threads;
     return o;
   }

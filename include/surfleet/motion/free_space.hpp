@@ -27,8 +27,10 @@ struct FreeSpaceOptions {
   double radius = 1.0;              ///< Of the body [m].
   bool unknown_is_obstacle = true;  ///< Whether what was never seen blocks the way.
   Box3 bounds{};                    ///< The body's centre stays inside; empty: no bounds.
-  /// Kept between the body and the centre of an obstacle voxel; one voxel edge if not given [m].
+  /// Kept between the body and the centre of an occupied voxel; one voxel edge if not given [m].
   std::optional<double> margin{};
+  /// The same for an unknown voxel, `margin` at the most; that if not given [m].
+  std::optional<double> unknown_margin{};
 };
 
 /// Free-space queries for a ball-shaped body over a map's voxel states.
@@ -40,7 +42,10 @@ struct FreeSpaceOptions {
 /// it has an obstacle centre within about one edge; a surface hidden in an unknown voxel lies
 /// within half a diagonal, 0.87 edges, of its centre. With the default margin of one edge the body
 /// therefore keeps its radius from either. It does not hold for what the map has missed: a
-/// structure so thin that every voxel it touches was carved empty.
+/// structure so thin that every voxel it touches was carved empty. Such things are parts of larger
+/// ones: a wide `margin` around what is occupied keeps away from them, while an `unknown_margin` of
+/// one edge lets the body go where no more was seen empty than it needs. To have both, occupied
+/// voxels are grown by the difference, to half an edge, and the smaller margin holds for all.
 ///
 /// Held inside is the exact Euclidean distance, truncated, from every voxel centre to the nearest
 /// obstacle centre; between centres it is interpolated and lowered by the interpolation's largest
@@ -61,9 +66,16 @@ class FreeSpace {
     const double h = map.voxel_size();
     require(options.radius >= 0.0 && std::isfinite(options.radius),
             "body radius " + std::to_string(options.radius) + " m: expected a length of 0 or more");
-    margin_ = options.margin.value_or(h);
-    require(margin_ >= 0.0 && std::isfinite(margin_),
-            "margin " + std::to_string(margin_) + " m: expected a length of 0 or more");
+    const double margin = options.margin.value_or(h);
+    require(margin >= 0.0 && std::isfinite(margin),
+            "margin " + std::to_string(margin) + " m: expected a length of 0 or more");
+    margin_ = options.unknown_is_obstacle ? options.unknown_margin.value_or(margin) : margin;
+    require(margin_ >= 0.0 && margin_ <= margin, "margin " + std::to_string(margin_) +
+                                                     " m of what is unknown: expected 0 to " +
+                                                     std::to_string(margin) + " m");
+    growth_ = margin > margin_ ? (margin - margin_) / h + 0.5 : 0.0;
+    require(growth_ < kSide, "margin " + std::to_string(margin) + " m: expected less than " +
+                                 std::to_string(kSide) + " voxels beyond that of what is unknown");
     step_ = h / 6.0;
     required_ = options.radius + margin_ + 0.5 * step_;
     // A distance to one point, interpolated trilinearly, is too large by at most h²/(4ρ), with ρ
@@ -89,8 +101,10 @@ class FreeSpace {
   const VoxelStateMap& map() const { return *map_; }
   const FreeSpaceOptions& options() const { return options_; }
   double voxel_size() const { return grid_.voxel_size(); }
-  /// Least distance from a free position to an obstacle voxel's centre: radius, margin and the
-  /// slack of stepping along segments [m].
+  /// Kept between the body and every obstacle voxel's centre, occupied ones grown [m].
+  double obstacle_margin() const { return margin_; }
+  /// Least distance from a free position to an obstacle voxel's centre: radius, obstacle margin and
+  /// the slack of stepping along segments [m].
   double required_distance() const { return required_; }
 
   /// Takes what is unknown in `ball` for empty: the place a robot stands in at the start, which its
@@ -106,10 +120,6 @@ class FreeSpace {
 
   /// Follows the map. Returns the number of blocks whose distances changed.
   std::size_t update() {
-    struct Change {
-      BlockIndex block;
-      VoxelIndex lo, hi;  // of the voxels that differ
-    };
     std::vector<Change> changes;
     const auto refresh = [&](const BlockIndex& index) {
       const RowBits bits = obstacle_bits(index);
@@ -117,23 +127,25 @@ class FreeSpace {
       const RowBits old = slot == Grid::kNone ? default_bits() : bits_[slot];
       if (bits == old) return;
       if (slot == Grid::kNone) slot = make(index);
-      Change c{index, VoxelIndex::Constant(kSide), VoxelIndex::Constant(-1)};
-      for (int row = 0; row < kSide * kSide; ++row) {
-        const auto r = static_cast<std::size_t>(row);
-        const unsigned diff = static_cast<unsigned>(bits[r] ^ old[r]);
-        if (diff == 0) continue;
-        c.lo = c.lo.cwiseMin(VoxelIndex(std::countr_zero(diff), row % kSide, row / kSide));
-        c.hi = c.hi.cwiseMax(
-            VoxelIndex(static_cast<int>(std::bit_width(diff)) - 1, row % kSide, row / kSide));
-      }
+      changes.push_back(difference(index, bits, old));
       bits_[slot] = bits;
-      changes.push_back(c);
     };
-    for (const std::uint32_t slot : map_->grid().changed_since(cursor_))
-      refresh(map_->grid().block(slot).index);
+    std::vector<BlockIndex> stale;
+    for (const std::uint32_t slot : map_->grid().changed_since(cursor_)) {
+      stale.push_back(map_->grid().block(slot).index);
+      if (growth_ > 0.0) follow_occupied(BlockIndex(stale.back()), stale);
+    }
     cursor_ = map_->grid().revision();
-    for (const BlockIndex& b : pending_) refresh(b);
+    stale.insert(stale.end(), pending_.begin(), pending_.end());
     pending_.clear();
+    if (growth_ > 0.0) {  // A block is named by many.
+      const auto before = [](const BlockIndex& a, const BlockIndex& b) {
+        return key_of(a) < key_of(b);
+      };
+      std::sort(stale.begin(), stale.end(), before);
+      stale.erase(std::unique(stale.begin(), stale.end()), stale.end());
+    }
+    for (const BlockIndex& b : stale) refresh(b);
     if (changes.empty()) return 0;
 
     // Everything within reach of a change. A block that was never made is uniform: full of
@@ -331,11 +343,12 @@ class FreeSpace {
     return Box3(lo - Point3::Constant(0.5 * h), lo + Point3::Constant((kSide + 0.5) * h));
   }
   std::size_t memory_bytes() const {
-    return grid_.memory_bytes() + bits_.size() * (sizeof(RowBits) + sizeof(Rows) +
-                                                  sizeof(FreeBits) + sizeof(std::uint64_t));
+    return grid_.memory_bytes() + occupied_.size() * sizeof(RowBits) +
+           bits_.size() *
+               (sizeof(RowBits) + sizeof(Rows) + sizeof(FreeBits) + sizeof(std::uint64_t));
   }
 
-  /// Whether a voxel is an obstacle, by the settings and the known-free balls.
+  /// Whether a voxel is an obstacle, by the settings and the known-free balls; occupied ones grown.
   bool is_obstacle(const VoxelIndex& v) const {
     const std::uint32_t slot = grid_.find_slot(Grid::block_of(v));
     const auto o = Grid::offset_of(v);
@@ -346,6 +359,22 @@ class FreeSpace {
   static constexpr int kMaxReach = 24;           // 64-bit rows: 8 + 2 · 24 bits and more
   using RowBits = std::array<std::uint8_t, 64>;  // obstacles; row y + 8 z, bit x
   using Rows = std::array<std::int16_t, 512>;    // squared distance along x
+  struct Change {
+    BlockIndex block;
+    VoxelIndex lo, hi;  // of the voxels that differ
+  };
+  static Change difference(const BlockIndex& index, const RowBits& a, const RowBits& b) {
+    Change c{index, VoxelIndex::Constant(kSide), VoxelIndex::Constant(-1)};
+    for (int row = 0; row < kSide * kSide; ++row) {
+      const auto r = static_cast<std::size_t>(row);
+      const unsigned diff = static_cast<unsigned>(a[r] ^ b[r]);
+      if (diff == 0) continue;
+      c.lo = c.lo.cwiseMin(VoxelIndex(std::countr_zero(diff), row % kSide, row / kSide));
+      c.hi = c.hi.cwiseMax(
+          VoxelIndex(static_cast<int>(std::bit_width(diff)) - 1, row % kSide, row / kSide));
+    }
+    return c;
+  }
 
   std::size_t default_squared() const {
     return options_.unknown_is_obstacle ? 0 : static_cast<std::size_t>(reach_ * reach_);
@@ -363,6 +392,7 @@ class FreeSpace {
     rows_.emplace_back().fill(
         static_cast<std::int16_t>(options_.unknown_is_obstacle ? 0 : (reach_ + 1) * (reach_ + 1)));
     stamp_.push_back(0);
+    if (growth_ > 0.0) occupied_.emplace_back();
     free_.push_back(free_bits_of(slot));
     return slot;
   }
@@ -398,7 +428,69 @@ class FreeSpace {
           bits[o / 8] = static_cast<std::uint8_t>(bits[o / 8] & ~(1U << (o % 8)));
       }
     }
+    if (growth_ > 0.0) add_grown(index, bits);
     return bits;
+  }
+
+  /// Takes over which voxels of a block of the map are occupied, and names the blocks that what
+  /// differs is grown into.
+  void follow_occupied(const BlockIndex& index, std::vector<BlockIndex>& stale) {
+    RowBits bits{};
+    const auto& voxels = map_->grid().find_block(index)->voxels;
+    for (std::size_t o = 0; o < Grid::kBlockVoxels; ++o)
+      bits[o / 8] = static_cast<std::uint8_t>(
+          bits[o / 8] | static_cast<unsigned>(voxels[o] == VoxelState::occupied) << (o % 8));
+    std::uint32_t slot = grid_.find_slot(index);
+    const RowBits old = slot == Grid::kNone ? RowBits{} : occupied_[slot];
+    if (bits == old) return;
+    if (slot == Grid::kNone) slot = make(index);
+    occupied_[slot] = bits;
+    const Change c = difference(index, bits, old);
+    const VoxelIndex origin = index * kSide;
+    const VoxelIndex r = VoxelIndex::Constant(static_cast<int>(growth_));
+    for_each_index(Grid::block_of(origin + c.lo - r), Grid::block_of(origin + c.hi + r),
+                   [&](const BlockIndex& b) { stale.push_back(b); });
+  }
+  /// Adds to a block's obstacles the voxels within the growth of an occupied one.
+  void add_grown(const BlockIndex& index, RowBits& bits) const {
+    std::array<const RowBits*, 27> near{};
+    bool any = false;
+    for (int n = 0; n < 27; ++n) {
+      const std::uint32_t slot =
+          grid_.find_slot(index + BlockIndex(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
+      if (slot == Grid::kNone || occupied_[slot] == RowBits{}) continue;
+      near[static_cast<std::size_t>(n)] = &occupied_[slot];
+      any = true;
+    }
+    if (!any) return;
+    // Rows of the block and its neighbours, three blocks long.
+    constexpr int kSpan = 3 * kSide;
+    std::array<std::uint32_t, kSpan * kSpan> rows{};
+    for (int row = 0; row < kSpan * kSpan; ++row) {
+      const int y = row % kSpan, z = row / kSpan;
+      for (int x = 0; x < 3; ++x)
+        if (const RowBits* b =
+                near[static_cast<std::size_t>(x + 3 * (y / kSide) + 9 * (z / kSide))])
+          rows[static_cast<std::size_t>(row)] |=
+              static_cast<std::uint32_t>(
+                  (*b)[static_cast<std::size_t>(y % kSide + kSide * (z % kSide))])
+              << (kSide * x);
+    }
+    const int most = static_cast<int>(growth_);
+    for (int dz = -most; dz <= most; ++dz)
+      for (int dy = -most; dy <= most; ++dy) {
+        const double rest = growth_ * growth_ - dy * dy - dz * dz;
+        if (rest < 0.0) continue;
+        const int spread = static_cast<int>(std::sqrt(rest));
+        for (int row = 0; row < kSide * kSide; ++row) {
+          const int y = row % kSide + kSide + dy, z = row / kSide + kSide + dz;
+          const std::uint32_t from = rows[static_cast<std::size_t>(y + kSpan * z)];
+          std::uint32_t to = from;
+          for (int k = 1; k <= spread; ++k) to |= from << k | from >> k;
+          std::uint8_t& own = bits[static_cast<std::size_t>(row)];
+          own = static_cast<std::uint8_t>(own | (to >> kSide & 0xFF));
+        }
+      }
   }
 
   /// First pass of the separable distance transform: along x, from the obstacle bits of the block
@@ -517,11 +609,14 @@ class FreeSpace {
   const VoxelStateMap* map_;
   FreeSpaceOptions options_;
   Grid grid_;
-  double margin_ = 0.0, step_ = 0.0, required_ = 0.0, excess_ = 0.0;
+  double margin_ = 0.0;  // of all obstacles, occupied voxels grown
+  double growth_ = 0.0;  // of occupied voxels [voxels]
+  double step_ = 0.0, required_ = 0.0, excess_ = 0.0;
   int reach_ = 0, halo_ = 0;
   std::int16_t free_squared_ = 0;
-  std::vector<double> root_;   // h √i
-  std::vector<RowBits> bits_;  // by slot, like the next three
+  std::vector<double> root_;       // h √i
+  std::vector<RowBits> bits_;      // by slot, like the next four
+  std::vector<RowBits> occupied_;  // of the map, where they are grown
   std::vector<Rows> rows_;
   std::vector<FreeBits> free_;
   std::vector<std::uint64_t> stamp_;
@@ -538,8 +633,7 @@ bool is_body_free(const FreeSpace& space, const Body& body, const Configuration&
   if (!space.in_bounds(q.position)) return false;
   const double clearance = space.clearance(q.position);
   if (clearance >= body.bounding_radius()) return true;
-  const double h = space.voxel_size();
-  const double margin = space.options().margin.value_or(h);
+  const double margin = space.obstacle_margin();
   const double reach = body.bounding_radius() + margin;
   const VoxelIndex lo = space.grid().index_of(q.position - Point3::Constant(reach));
   const VoxelIndex hi = space.grid().index_of(q.position + Point3::Constant(reach));
