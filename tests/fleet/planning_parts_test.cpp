@@ -433,6 +433,33 @@ TEST(flights_by_rate_end_where_the_roadmap_leads) {
   }
 }
 
+TEST(one_drone_climbs_where_that_is_worth_coming_back) {
+  // Two boxes with something behind them: one above, the other farther off but level.
+  TsdfMap map({.voxel_size = 0.3});
+  const VoxelIndex level(16, 0, 0), above(3, 0, 10);
+  map_test::paint(map, {-24, -16, -12}, {24, 16, 16}, [&](const VoxelIndex& v) {
+    for (const VoxelIndex& box : {level, above}) {
+      const VoxelIndex d = v - box;
+      if (d.cwiseAbs().maxCoeff() <= 1)
+        return d.x() > 0 ? VoxelState::unknown : VoxelState::occupied;
+    }
+    return VoxelState::empty;
+  });
+  const Box3 region(Point3(-6.0, -4.0, -3.0), Point3(6.5, 4.0, 4.5));
+  StillMission still(map, {.radius = 0.2, .bounds = region, .margin = 0.1},
+                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
+  const auto first_stop = [&](double climb_cost, std::size_t robots) {
+    RatePlannerOptions options;
+    options.lone_climb_cost = climb_cost;
+    const std::vector<RobotRequest> all(robots, {{Point3(0.1, 0.1, 0.1), 0.0}, true, {}});
+    return RatePlanner(options)(still.request(all)).routes[0]->at(0).configuration.position;
+  };
+  CHECK(first_stop(0.0, 1).z() > 1.5);
+  CHECK(first_stop(3.0, 1).z() < 1.0);
+  CHECK(first_stop(3.0, 1).x() > 2.0);
+  CHECK(first_stop(3.0, 2) == first_stop(0.0, 2));
+}
+
 TEST(unseen_space_is_the_border_of_what_is_known_empty) {
   // Empty for x < 3 m, a wall at x = 3 m where y < 0, unknown behind either.
   TsdfMap map({.voxel_size = 0.2});

@@ -23,8 +23,11 @@
 
 namespace surfleet {
 struct RatePlannerOptions {
-  double stop_share = 0.125;      ///< What a stop costs beside its flight, over the range.
-  double turn_cost = 0.1;         ///< What turning costs [m/rad].
+  double stop_share = 0.125;  ///< What a stop costs beside its flight, over the range.
+  double turn_cost = 0.1;     ///< What turning costs [m/rad].
+  /// What a metre gained in height costs one drone beside its length: what it leaves below it has
+  /// to come back for. Nothing in a team, where others are below.
+  double lone_climb_cost = 1.0;
   double spacing_share = 0.15;    ///< Lattice spacing over the camera's range.
   double sight_share = 0.85;      ///< Farthest look that counts, over the camera's range.
   double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
@@ -281,6 +284,7 @@ class RatePlanner {
     for (int k = 0; k < kHeadings; ++k)
       turn[static_cast<std::size_t>(k)] =
           options.turn_cost * std::abs(wrap_angle(heading_angle(k) - from.yaw));
+    const double climb_cost = s.request.is_team() ? 0.0 : options.lone_climb_cost;
     const auto beats = [&](double worth, double cost) {
       return !best || worth > best->rate * cost;
     };
@@ -290,15 +294,16 @@ class RatePlanner {
       return false;
     };
     const auto visit = [&](const auto& site) {
-      const double cost = site.distance + stop_cost;
-      const auto pays = [&](double worth) { return beats(options.view_share * worth, cost); };
+      const double level_cost = site.distance + stop_cost;  // of no later site it is less
+      if (!beats(options.view_share * s.around.largest(), level_cost)) return false;
+      const double cost =
+          level_cost + climb_cost * std::max(0.0, site.position.z() - from.position.z());
       const auto could_be_best = [&] {
         if (!beats(s.most.at_any_heading(site.cell), cost)) return false;
         const auto most = s.most(site.cell);
         return any_heading([&](std::size_t k) { return beats(most[k], cost + turn[k]); });
       };
-      if (!pays(s.around.largest())) return false;
-      if (!pays(s.around(site.position))) return true;
+      if (!beats(options.view_share * s.around(site.position), cost)) return true;
       const std::size_t id = s.lattice.index(site.cell);
       // What has been looked at already costs nothing, and may be the broadest look.
       const auto looked = sites_.find(id);
