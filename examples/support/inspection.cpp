@@ -29,7 +29,9 @@ AnyPlanner planner_for(const InspectionSettings& s) {
       .max_radius = s.cluster_max_radius,
       .max_extent = planner_by_name(s.planner).bounded_clusters ? 2.0 * s.cluster_max_radius : 0.0};
   tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
-  return make_planner(s.planner, tours, {});
+  // A stop takes some two seconds, with the braking before it and the images there.
+  const StopDistance cost{.stop = 2.0 * s.speed, .turn = s.speed / AerialLimits{}.yaw_rate};
+  return make_planner(s.planner, tours, cost, {});
 }
 
 }  // namespace

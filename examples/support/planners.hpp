@@ -13,12 +13,14 @@
 #include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/fleet/rate_then_tours.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
+#include <surfleet/fleet/tours_behind.hpp>
 #include <surfleet/fleet/with_space_looks.hpp>
 
 namespace surfleet::examples {
-/// Throws `Error` for a name that is not among `kPlanners`.
+/// `cost` is what our own tours take a stop for. Throws `Error` for a name that is not among
+/// `kPlanners`.
 inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& tours,
-                               const RatePlannerOptions& rate) {
+                               const StopDistance& cost, const RatePlannerOptions& rate) {
   planner_by_name(name);
   TourPlannerOptions asynchronous = tours;
   asynchronous.asynchronous = true;
@@ -42,11 +44,15 @@ inline AnyPlanner make_planner(std::string_view name, const TourPlannerOptions& 
   if (name == "makespan") return made(MakespanPlanner(tours));
   TourPlannerOptions reordered = tours;
   reordered.reorder_stops = true;
+  reordered.least_clusters = 8;
+  reordered.cost = cost;
+  TourPlannerOptions reordered_asynchronous = reordered;
+  reordered_asynchronous.asynchronous = true;
   if (name == "tours") return made(CoverPlanner(reordered));
   if (name == "rate") return made(RatePlanner(rate));
   if (name == "surfleet")
-    return made(
-        RateThenTours<RatePlanner, CoverPlanner>(RatePlanner(rate), CoverPlanner(reordered)));
+    return made(ToursBehind(RateThenTours(RatePlanner(rate), CoverPlanner(reordered)),
+                            CoverPlanner(reordered_asynchronous)));
   throw Error("planner " + std::string(name) + ": named, but not made");
 }
 }  // namespace surfleet::examples

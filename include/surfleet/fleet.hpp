@@ -15,6 +15,7 @@
 #include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
+#include <surfleet/fleet/tours_behind.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
 #include <surfleet/fleet/view_memory.hpp>
 #include <surfleet/fleet/with_space_looks.hpp>

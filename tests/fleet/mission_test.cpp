@@ -12,6 +12,7 @@
 #include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/fleet/rate_then_tours.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
+#include <surfleet/fleet/tours_behind.hpp>
 #include <surfleet/fleet/with_space_looks.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
 
@@ -324,6 +325,85 @@ struct AskedOnce {
 TEST(tours_take_over_when_nothing_broad_is_left_and_give_way_again) {
   World world;
   AnyMission mission(box_world::options(world), world, box_world::starts(1), AskedOnce());
+  CHECK(mission.run().complete);
+}
+/// An advancing planner, or one of tours: a stop for whoever waits, or none; counts who did.
+struct Counting {
+  bool tours = false, finds = true;
+  std::size_t asked = 0, work = 0;
+  bool touring() const { return tours; }
+  PlanResult operator()(const PlanRequest& request) {
+    PlanResult result;
+    result.routes.resize(request.robots.size());
+    result.utility_share = 0.25;
+    asked = 0;
+    work = request.work.size();
+    for (std::size_t r = 0; r < request.robots.size(); ++r)
+      if (request.robots[r].idle) {
+        ++asked;
+        result.routes[r] = Stops(finds ? 1 : 0);
+      }
+    return result;
+  }
+};
+/// Asks on behalf of five robots, 100 m from where the work is left, with so much work there and
+/// with themselves.
+struct AskedForFive {
+  PlanResult operator()(const PlanRequest& still) {
+    std::vector<RobotRequest> robots(5);
+    for (int r = 0; r < 5; ++r)
+      robots[static_cast<std::size_t>(r)].configuration.position = Point3(100.0 + r, 0, 0);
+    std::vector<IncompleteElement> work;
+    const auto ask = [&](auto& planner, int behind, int ahead, bool waiting = true) {
+      work.assign(static_cast<std::size_t>(behind), {});
+      work.resize(static_cast<std::size_t>(behind + ahead), {.position = Point3(101, 0, 0)});
+      for (RobotRequest& r : robots) r.idle = waiting;
+      PlanRequest request = still;
+      request.work = work;
+      request.robots = robots;
+      return planner(request);
+    };
+    using Crew = std::vector<std::size_t>;
+    ToursBehind<Counting, Counting> p;
+    ask(p, 2, 8);
+    CHECK(p.crew().empty() && p.front.asked == 5);
+    PlanResult result = ask(p, 3, 7);  // more than a fifth
+    CHECK(p.crew() == Crew{0});        // the nearest
+    CHECK(p.behind.asked == 1 && p.behind.work == 3);
+    CHECK(p.front.asked == 4 && p.front.work == 10);
+    for (const auto& route : result.routes) CHECK(route && route->size() == 1);
+    CHECK(result.utility_share == 0.25);
+    ask(p, 4, 6);
+    CHECK(p.crew() == Crew{0});
+    result = ask(p, 5, 5, false);  // nobody waits, but a second one is wanted there
+    CHECK((p.crew() == Crew{0, 1}));
+    CHECK(!result.routes[0] && result.routes[1] && !result.routes[2]);
+    CHECK(result.utility_share == 0.25);
+    ask(p, 10, 0);
+    ask(p, 10, 0);
+    CHECK((p.crew() == Crew{0, 1, 2}));  // at most three of five
+    p.behind.finds = false;
+    result = ask(p, 10, 0);
+    CHECK(p.crew().empty() && p.front.asked == 5);  // those with nothing to do there come back
+    for (const auto& route : result.routes) CHECK(route && route->size() == 1);
+    p.behind.finds = true;
+    ask(p, 10, 0);
+    CHECK(p.crew().empty());  // not for what nothing could be done about
+    ask(p, 20, 0);
+    CHECK(p.crew().size() == 1);
+    p.front.tours = true;
+    ask(p, 20, 0);
+    CHECK(p.crew().empty() && p.front.asked == 5);
+    robots.resize(2);
+    ToursBehind<Counting, Counting> two;
+    ask(two, 10, 0);
+    CHECK(two.crew().empty() && two.front.asked == 2);
+    return {std::vector<std::optional<Stops>>(still.robots.size(), Stops{}), {}};
+  }
+};
+TEST(some_of_a_team_tour_what_is_left_behind) {
+  World world;
+  AnyMission mission(box_world::options(world), world, box_world::starts(1), AskedForFive());
   CHECK(mission.run().complete);
 }
 TEST(progress_can_end_a_mission) {

@@ -406,6 +406,49 @@ TEST(nobody_is_sent_where_he_cannot_get) {
   check(CoverPlanner(options));
 }
 
+TEST(a_single_cluster_is_made_finer_for_a_team) {
+  TsdfMap map({.voxel_size = 0.3});
+  map_test::paint(map, {-36, -24, 0}, {36, 24, 13}, among_pillars);
+  StillMission still(map, {.radius = 0.4, .margin = 0.3},
+                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0),
+                     Box3(Point3(-10.0, -7.0, 0.0), Point3(10.0, 7.0, 3.5)));
+  const auto stops = [&](std::size_t least_clusters) {
+    TourPlannerOptions options;
+    options.distance = 2.5;
+    options.clusters = {.radius = 50.0, .max_radius = 50.0};
+    options.least_clusters = least_clusters;
+    std::vector<RobotRequest> robots;
+    for (const double x : {-8.0, 8.0})
+      robots.push_back({{still.free.free_start(Point3(x, 0.0, 1.5)), 0.0}, true, {}});
+    const PlanResult result = MakespanPlanner(options)(still.request(robots));
+    return std::pair(result.routes[0]->size(), result.routes[1]->size());
+  };
+  const auto [a, b] = stops(0);
+  CHECK(std::min(a, b) == 0 && std::max(a, b) > 10);
+  const auto [c, d] = stops(4);
+  CHECK(std::min(c, d) > 3 && c + d == a + b);
+}
+
+TEST(ways_to_views_cost_their_stops_and_their_turns) {
+  const Configuration a{Point3(0, 0, 1), 3.0}, b{Point3(0, 3, 1), -3.0}, c{Point3(0, 3, 1), 0.0};
+  CHECK(StopDistance{}(a, c) == 3.0);
+  const StopDistance d{.stop = 1.0, .turn = 2.0};
+  CHECK(d(a, b) == 4.0);  // It turns the short way, and meanwhile.
+  CHECK(std::abs(d(a, c) - (1.0 + 2.0 * 3.0)) < 1e-12 && d(a, c) == d(c, a));
+  // Eight views close together: where only lengths count, the one robot beside them has them all.
+  const auto stops_of_the_far_one = [](const StopDistance& cost) {
+    std::vector<ConfigurationCluster<Configuration>> views;
+    for (int i = 0; i < 8; ++i) views.push_back({{{Point3(0.3 * i, 0, 0), 0.0}}, 1.0});
+    const std::vector<Configuration> starts{{Point3(0, -1, 0), 0.0}, {Point3(2, 5, 0), 0.0}};
+    const ClusterGraph<Configuration, ExponentialUtility, StopDistance> graph(views, starts, {{}},
+                                                                              cost);
+    const ImproveAllocation<MakespanAndMean, TourShortness<LinKernighan>> improve;
+    return improve(graph, MakespanAllocator{}(graph)).routes[1].size();
+  };
+  CHECK(stops_of_the_far_one({}) == 0);
+  CHECK(stops_of_the_far_one({.stop = 5.0}) >= 2);
+}
+
 TEST(flights_by_rate_end_where_the_roadmap_leads) {
   // Crumbs everywhere, and a body so small that it fits between where no row of voxel centres does.
   TsdfMap map({.voxel_size = 0.3});

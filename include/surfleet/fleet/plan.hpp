@@ -69,7 +69,7 @@ struct PlanResult {
 };
 
 /// A high-level planner: turns the state of the map into routes. It may keep state between calls.
-/// Models: `TourPlanner` (TSGA, NNB and their kin), `RatePlanner`, `RateThenTours`,
+/// Models: `TourPlanner` (TSGA, NNB and their kin), `RatePlanner`, `RateThenTours`, `ToursBehind`,
 /// `WithSpaceLooks`.
 template <typename P>
 concept FleetPlanner = requires(P& planner, const PlanRequest& request) {

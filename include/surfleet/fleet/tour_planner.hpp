@@ -94,14 +94,18 @@ struct TourPlannerOptions {
   double distance = 4.7;  ///< δ_pose [m].
   /// d_ν and d_ν^max; without a bound on its extent one chain of views could go round it all.
   ClusterOptions clusters{.max_extent = 10.0};
+  /// Where a team has fewer clusters than this for each robot, they are made finer, as far as there
+  /// are views: a single one cannot be shared. The published method has no such bound.
+  std::size_t least_clusters = 0;
   ExponentialUtility utility;  ///< λ_tc and λ_ic.
+  StopDistance cost;           ///< Of the way to each viewpoint; the published one is its length.
   /// Whether robots that are on their way keep their route, and only those without get a new one
   /// from the work nobody has; else every call plans for all.
   bool asynchronous = false;
   /// Whether work that a robot is on its way to is left to it, where plans are asynchronous.
   bool exclusive = true;
   /// Whether each robot's stops are put in order once more without regard to their clusters, for
-  /// the shortest way through all of them.
+  /// the cheapest way through all of them.
   bool reorder_stops = false;
   std::optional<double> utility_share = std::nullopt;  ///< As in `PlanResult`.
 };
@@ -171,7 +175,7 @@ class TourPlanner {
 
     // Clusters and what they are worth.
     const ViewAccess access(reach, views);
-    std::vector<ViewpointCluster> clusters = access.clusters(views, options.clusters);
+    std::vector<ViewpointCluster> clusters = share_out(access, views, serve.size());
     const IncompleteSurfaceGain gain(elements, request.observed, frustum);
     const auto seen =
         seen_(views, elements, frustum, [&](const Configuration& q) { return gain.seen(q); });
@@ -192,7 +196,7 @@ class TourPlanner {
     for (const Configuration& s : starts)
       origins.push_back({.configuration = s, .robot = static_cast<std::int32_t>(origins.size())});
     const ClusterGraph<Place, ExponentialUtility, ViewAccess::Distance, LinKernighan> graph(
-        std::move(nodes), std::move(origins), {options.utility}, {&access},
+        std::move(nodes), std::move(origins), {options.utility}, {&access, options.cost},
         {.search = {.max_iterations = kKicksInside}, .quick_bound = true});
     const FleetPlan plan = improve(graph, allocate(graph));
     for (std::size_t k = 0; k < serve.size(); ++k) {
@@ -212,20 +216,33 @@ class TourPlanner {
 
  private:
   static constexpr int kKicksInside = 40;  ///< For the order inside a cluster.
+  static constexpr int kHalvings = 5;      ///< Of the clusters' radii at most.
 
-  /// The shortest open path from `start` through all stops that is found, by straight lines.
-  static void reorder(const Configuration& start, Stops& route) {
+  /// Clusters, at half the radii time after time until there are enough for so many robots.
+  std::vector<ViewpointCluster> share_out(const ViewAccess& access,
+                                          std::span<const Viewpoint> views,
+                                          std::size_t robots) const {
+    const std::size_t wanted =
+        robots > 1 ? std::min(options.least_clusters * robots, views.size()) : 0;
+    ClusterOptions finer = options.clusters;
+    for (int halvings = 0;; ++halvings) {
+      std::vector<ViewpointCluster> clusters = access.clusters(views, finer);
+      if (clusters.size() >= wanted || halvings == kHalvings) return clusters;
+      for (double* length : {&finer.radius, &finer.max_radius, &finer.max_extent}) *length *= 0.5;
+    }
+  }
+  /// The cheapest open path from `start` through all stops that is found.
+  void reorder(const Configuration& start, Stops& route) const {
     const int n = static_cast<int>(route.size()) + 1;
     if (n < 4) return;
-    const auto place = [&](int i) -> const Point3& {
-      return i == 0 ? start.position
-                    : route[static_cast<std::size_t>(i - 1)].configuration.position;
+    const auto place = [&](int i) -> const Configuration& {
+      return i == 0 ? start : route[static_cast<std::size_t>(i - 1)].configuration;
     };
-    CostMatrix lengths(n);
+    CostMatrix costs(n);
     for (int i = 0; i < n; ++i)
-      for (int j = 0; j < i; ++j) lengths(i, j) = lengths(j, i) = (place(i) - place(j)).norm();
+      for (int j = 0; j < i; ++j) costs(i, j) = costs(j, i) = options.cost(place(i), place(j));
     Stops ordered;
-    for (const int i : shortest_hamiltonian_path(lengths, 0, LinKernighan{}).order)
+    for (const int i : shortest_hamiltonian_path(costs, 0, LinKernighan{}).order)
       if (i > 0) ordered.push_back(std::move(route[static_cast<std::size_t>(i - 1)]));
     route = std::move(ordered);
   }

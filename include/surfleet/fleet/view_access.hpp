@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -21,6 +22,19 @@ namespace surfleet {
 inline bool any_reaches(std::span<const LazyPrmStar::Reach> reach, const Point3& p) {
   return std::any_of(reach.begin(), reach.end(), [&](const auto& r) { return r(p); });
 }
+
+/// What it costs to go from one viewpoint to the next and stop there, as metres of flight: turning
+/// on the way costs nothing as long as the flight takes longer. As it stands, the straight length.
+struct StopDistance {
+  double stop = 0.0;  ///< A stop, for braking, looking and setting off again [m].
+  double turn = 0.0;  ///< Turning, at the robot's speed over its yaw rate [m/rad].
+  double operator()(const Configuration& a, const Configuration& b) const {
+    const double length = EuclideanDistance{}(a, b);
+    if (turn <= 0.0) return stop + length;
+    return stop + std::max(length, turn * std::abs(wrap_angle(a.yaw - b.yaw)));
+  }
+};
+static_assert(PathDistance<StopDistance>);
 
 /// Viewpoints by the robots that can reach them: mostly one group, as free space is mostly one.
 class ViewAccess {
@@ -68,15 +82,16 @@ class ViewAccess {
     Configuration configuration;
     std::int32_t robot = -1, view = -1;
   };
-  /// Straight lengths, infinite from a robot's start to what it cannot reach. The access must
-  /// outlive it.
+  /// `StopDistance`, infinite from a robot's start to what it cannot reach. The access must outlive
+  /// it.
   struct Distance {
     const ViewAccess* access;
+    StopDistance distance{};
     double operator()(const Place& a, const Place& b) const {
       if (a.robot >= 0 &&
           !(*access)(static_cast<std::size_t>(a.robot), static_cast<std::size_t>(b.view)))
         return std::numeric_limits<double>::infinity();
-      return EuclideanDistance{}(a.configuration, b.configuration);
+      return distance(a.configuration, b.configuration);
     }
   };
 
