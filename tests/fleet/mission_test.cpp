@@ -365,6 +365,9 @@ struct AskedForFive {
     };
     using Crew = std::vector<std::size_t>;
     ToursBehind<Counting, Counting> p;
+    ask(p, 10, 0);
+    CHECK(p.crew().empty() && p.front.asked == 5);  // the box is no tower
+    p.options.least_height = 0.0;
     ask(p, 2, 8);
     CHECK(p.crew().empty() && p.front.asked == 5);
     PlanResult result = ask(p, 3, 7);  // more than a fifth
@@ -396,6 +399,7 @@ struct AskedForFive {
     CHECK(p.crew().empty() && p.front.asked == 5);
     robots.resize(2);
     ToursBehind<Counting, Counting> two;
+    two.options.least_height = 0.0;
     ask(two, 10, 0);
     CHECK(two.crew().empty() && two.front.asked == 2);
     return {std::vector<std::optional<Stops>>(still.robots.size(), Stops{}), {}};

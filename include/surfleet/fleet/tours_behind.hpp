@@ -24,6 +24,7 @@ struct ToursBehindOptions {
   double most = 0.6;        ///< Robots that tour behind at most, over the team's size.
   double fair_share = 1.0;  ///< Work behind for each of them, over what there is for each robot.
   std::size_t least_team = 3;
+  double least_height = 4.0;  ///< Of the region, over the range, for a front to leave much below.
 };
 
 /// A front that advances, and robots that tour what it leaves behind.
@@ -33,7 +34,8 @@ struct ToursBehindOptions {
 /// front is no faster for being crowded. So while `front` advances, robots are taken from it: k of
 /// n once more than k/n of the elements are `apart` from every robot that stays. Those are given to
 /// `behind`, asked for these elements and robots alone; who finds nothing to do there any more is
-/// the front's again. When `front` tours, all are.
+/// the front's again. When `front` tours, all are. Where the region is not high, robots come back
+/// to what they left at little cost, and nobody is taken from the front.
 template <AdvancingPlanner Front, FleetPlanner Behind>
 class ToursBehind {
  public:
@@ -45,7 +47,9 @@ class ToursBehind {
       : front(std::move(f)), behind(std::move(b)), options(o) {}
 
   PlanResult operator()(const PlanRequest& request) {
-    if (request.robots.size() < options.least_team || front.touring()) return everyone(request);
+    if (request.robots.size() < options.least_team || front.touring() ||
+        request.region.sizes().z() < options.least_height * request.camera.max_range)
+      return everyone(request);
     std::vector<RobotRequest> robots(request.robots.begin(), request.robots.end());
     const std::vector<IncompleteElement> left = left_behind(request);
     recruit(request, left, robots);
