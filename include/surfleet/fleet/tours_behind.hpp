@@ -20,11 +20,11 @@ concept AdvancingPlanner = FleetPlanner<P> && requires(const P& planner) {
 };
 
 struct ToursBehindOptions {
-  double apart = 2.4;       ///< So far from the front is behind it, over the camera's range.
-  double most = 0.6;        ///< Robots that tour behind at most, over the team's size.
-  double fair_share = 1.0;  ///< Work behind for each of them, over what there is for each robot.
-  std::size_t least_team = 3;
-  double least_height = 4.0;  ///< Of the region, over the range, for a front to leave much below.
+  double apart = 2.4;          ///< So far from the front is behind it, over the camera's range.
+  double most = 0.6;           ///< Robots that tour behind at most, over the team's size.
+  double fair_share = 1.0;     ///< Work behind for each of them, over what there is for each robot.
+  std::size_t least_team = 3;  ///< In smaller ones nobody is taken from the front.
+  double least_height = 4.0;   ///< Of the region, over the range, for a front to leave much below.
 };
 
 /// A front that advances, and robots that tour what it leaves behind.
