@@ -13,6 +13,7 @@
 #include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/fleet/rate_then_tours.hpp>
 #include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/fleet/team_flights.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
 #include <surfleet/fleet/tours_behind.hpp>

@@ -26,7 +26,7 @@ struct World {
                                std::span<const surfleet::Configuration> fleet) const {
     const surfleet::Pose T = fleet[robot].pose() * surfleet::forward_camera_mount();
     surfleet::DepthImage image(camera.width, camera.height,
-                               static_cast<float>(camera.max_range * 1.01));
+                               static_cast<float>(camera.max_range * 2.0));
     for (int v = 0; v < camera.height; ++v)
       for (int u = 0; u < camera.width; ++u)
         if (const auto hit = bvh.cast(T.translation(), T.linear() * camera.ray(u, v), 4.0))

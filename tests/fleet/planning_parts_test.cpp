@@ -11,6 +11,7 @@
 #include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/fleet/team_flights.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
@@ -501,6 +502,64 @@ TEST(one_drone_climbs_where_that_is_worth_coming_back) {
   CHECK(first_stop(3.0, 1).z() < 1.0);
   CHECK(first_stop(3.0, 1).x() > 2.0);
   CHECK(first_stop(3.0, 2) == first_stop(0.0, 2));
+}
+
+TEST(nobody_is_sent_across_a_teammate_s_flight_where_there_is_as_much_elsewhere) {
+  // Two boxes with something behind them, on either side.
+  TsdfMap map({.voxel_size = 0.3});
+  map_test::paint(map, {-24, -24, -8}, {24, 24, 8}, [&](const VoxelIndex& v) {
+    for (const VoxelIndex& box : {VoxelIndex(0, 15, 0), VoxelIndex(0, -15, 0)}) {
+      const VoxelIndex d = v - box;
+      if (d.cwiseAbs().maxCoeff() <= 1)
+        return d.y() * box.y() > 0 ? VoxelState::unknown : VoxelState::occupied;
+    }
+    return VoxelState::empty;
+  });
+  const Box3 region(Point3(-6.0, -6.0, -2.0), Point3(6.0, 6.0, 2.0));
+  StillMission still(map, {.radius = 0.4, .bounds = region, .margin = 0.1},
+                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
+  // The teammate flies by on the side it is told.
+  const auto side = [&](double teammate_y, double meeting_share) {
+    RatePlannerOptions options;
+    options.meeting_share = meeting_share;
+    const double y = teammate_y > 0.0 ? 1.2 : -1.2;
+    const std::vector<RobotRequest> robots{
+        {{Point3(0.0, 0.05, 0.1), 0.0}, true, {}},
+        {{Point3(-2.0, y, 0.1), 0.0}, false, {{{Point3(2.0, 2.0 * y, 0.1), 0.0}, {}}}}};
+    return RatePlanner(options)(still.request(robots)).routes[0]->at(0).configuration.position.y();
+  };
+  const double alone = side(1.0, 0.0);
+  CHECK(alone * side(alone, 1.0) < 0.0);   // its way was across: it takes the other side
+  CHECK(alone * side(-alone, 1.0) > 0.0);  // and leaves it where nobody is in the way
+}
+
+TEST(closest_approach_matches_sampling) {
+  Random random(4);
+  const auto place = [&] {
+    return Point3(random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-1, 1));
+  };
+  for (int trial = 0; trial < 300; ++trial) {
+    StraightFlight a{place(), place()}, b{place(), place()};
+    if (trial % 5 == 0) a.to = a.from;
+    if (trial % 7 == 0) b.to = b.from;
+    if (trial % 11 == 0) b.to = b.from + (a.to - a.from);  // side by side
+    double sampled = std::numeric_limits<double>::infinity();
+    const double longest = std::max(a.length(), b.length());
+    for (int i = 0; i <= 2000; ++i) {
+      const double way = longest * i / 2000.0;
+      sampled = std::min(sampled, (a.after(way) - b.after(way)).norm());
+    }
+    const double got = closest_approach(a, b);
+    CHECK(got <= sampled + 1e-9 && got > sampled - 0.01);
+    CHECK_NEAR(got, closest_approach(b, a), 1e-12);
+  }
+  // Those who are near each other and part do not meet; who closes in does.
+  TeamFlights flights(2.0);
+  flights.settle({Point3(0, 0, 0), Point3(5, 0, 0)});
+  CHECK(!flights.meet({Point3(0, 1, 0), Point3(-5, 1, 0)}));
+  CHECK(!flights.meet({Point3(0, 1, 0), Point3(5, 1, 0)}));
+  CHECK(flights.meet({Point3(5, 3, 0), Point3(5, 1, 0)}));
+  CHECK(!TeamFlights(2.0).meet({Point3(5, 3, 0), Point3(5, 1, 0)}));
 }
 
 TEST(unseen_space_is_the_border_of_what_is_known_empty) {

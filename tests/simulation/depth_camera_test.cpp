@@ -3,6 +3,7 @@
 
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
+#include <surfleet/mapping/tsdf_integrator.hpp>
 
 #include "check.hpp"
 
@@ -40,12 +41,36 @@ TEST(depth_is_measured_along_the_axis) {
 TEST(depth_out_of_range) {
   const DepthCamera<> camera(test_camera());
   const DepthImage far = camera.capture(Bvh(wall(8.1)), forward_camera_mount());
-  for (const float d : far.depth)
+  for (const float d : far.depth) {
+    CHECK_NEAR(d, 8.1, 1e-5);
+    CHECK(d > 8.0F && DepthImage::is_measurement(d));
+  }
+  const DepthImage farther = camera.capture(Bvh(wall(10.1)), forward_camera_mount());
+  for (const float d : farther.depth)
     CHECK(d == camera.beyond_range() && d > 8.0F && DepthImage::is_measurement(d));
   const DepthImage near = camera.capture(Bvh(wall(1.5)), forward_camera_mount());
   for (const float d : near.depth) CHECK(d == 0.0F);
   const DepthImage nothing = camera.capture(Bvh(), forward_camera_mount());
   for (const float d : nothing.depth) CHECK(d == camera.beyond_range());
+}
+
+TEST(no_surface_at_the_end_of_the_range) {
+  // Open space, looked at from one place: nothing in it is near a surface.
+  const DepthCamera<> camera(test_camera());
+  TsdfMap map({.voxel_size = 0.25});
+  TsdfIntegrator<> integrate({.truncation = 0.75});
+  for (int i = 0; i < 3; ++i)
+    integrate(camera.capture(Bvh(), forward_camera_mount()), camera.model, forward_camera_mount(),
+              map);
+  std::size_t seen = 0;
+  map.for_each_block([&](const TsdfMap::Block& block) {
+    for (const TsdfVoxel& voxel : block.voxels) {
+      if (voxel.weight <= 0.0F) continue;
+      ++seen;
+      CHECK(voxel.distance > 0.7F);
+    }
+  });
+  CHECK(seen > 1000);
 }
 
 TEST(teammates_are_seen_as_bodies) {

@@ -29,6 +29,8 @@ struct SightTarget;
 struct SpaceLooksOptions;
 struct Stop;
 struct StopDistance;
+struct StraightFlight;
+class TeamFlights;
 struct TimedConfiguration;
 struct TourPlannerOptions;
 struct ToursBehindOptions;

@@ -17,8 +17,10 @@
 #include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/plan.hpp>
 #include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/fleet/team_flights.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
 #include <surfleet/fleet/worth_around.hpp>
+#include <surfleet/motion/traffic_policy.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>
 
 namespace surfleet {
@@ -28,6 +30,8 @@ struct RatePlannerOptions {
   /// What a metre gained in height costs one drone beside its length: what it leaves below it has
   /// to come back for. Nothing in a team, where others are below.
   double lone_climb_cost = 1.0;
+  /// What it costs, over the range, to meet a teammate on the way: one of them has to wait.
+  double meeting_share = 0.6;
   double spacing_share = 0.15;    ///< Lattice spacing over the camera's range.
   double sight_share = 0.85;      ///< Farthest look that counts, over the camera's range.
   double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
@@ -55,13 +59,14 @@ struct RatePlannerOptions {
 /// What is worth seeing is the incomplete surface, the surface predicted to go on behind it, and
 /// for the little that it may hide the unseen space of the region. A stop is a node of the flight
 /// lattice and a heading; its rate is what it sees and nobody else was sent to see, over the metres
-/// it costs. Each robot in turn, the best first, is given the stop of the highest rate. The search
-/// goes outward from the robot, leaves out what is worth too little for the way, and ends when all
-/// the rest is. Where the published method commits to a tour over what is known, this one is paid
-/// for by what the next flight will discover. What was looked at in vain once, it leaves to others;
-/// and where a robot has just looked it does not look again for what that look has left, were it
-/// the best there is. As most goals change under way, robots turn into new routes in flight. It
-/// remembers what it has seen of the map: one planner for one mission.
+/// it costs, and it costs more where a teammate would be met. Each robot in turn, the best first,
+/// is given the stop of the highest rate. The search goes outward from the robot, leaves out what
+/// is worth too little for the way, and ends when all the rest is. Where the published method
+/// commits to a tour over what is known, this one is paid for by what the next flight will
+/// discover. What was looked at in vain once, it leaves to others; and where a robot has just
+/// looked it does not look again for what that look has left, were it the best there is. As most
+/// goals change under way, robots turn into new routes in flight. It remembers what it has seen of
+/// the map: one planner for one mission.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -89,6 +94,10 @@ class RatePlanner {
     result.turn_in_flight = true;
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> waiting;
+    // Where those who wait will go is not settled before it is their turn.
+    const double gap = 2.0 * request.free_space.options().radius + TrafficOptions{}.clearance;
+    TeamFlights flights(gap);
+    const TeamFlights nobody(gap);
     for (std::size_t r = 0; r < request.robots.size(); ++r) {
       if (request.robots[r].idle) {
         waiting.push_back(r);
@@ -97,6 +106,11 @@ class RatePlanner {
         for (const Stop& stop : request.robots[r].remaining)
           mark_in_view(targets.seen_from(stop.configuration.position),
                        nearest_heading(stop.configuration.yaw), done, [](std::size_t) {});
+        const RobotRequest& robot = request.robots[r];
+        const Configuration& at = robot.configuration;
+        flights.settle({at.position, robot.remaining.empty()
+                                         ? at.position
+                                         : robot.remaining.front().configuration.position});
       }
     }
     last_rate_ = 0.0;
@@ -104,7 +118,7 @@ class RatePlanner {
       std::optional<Candidate> best;
       std::size_t who = 0;
       for (std::size_t w = 0; w < waiting.size(); ++w) {
-        const auto c = best_stop(search, done, request.robots[waiting[w]].configuration);
+        const auto c = best_stop(search, done, request.robots[waiting[w]].configuration, flights);
         if (c && (!best || c->rate > best->rate)) {
           best = c;
           who = w;
@@ -112,11 +126,13 @@ class RatePlanner {
       }
       if (!best) break;
       last_rate_ = std::max(last_rate_, best->rate);
+      flights.settle(
+          {request.robots[waiting[who]].configuration.position, best->configuration.position});
       Stops route;
       Configuration at = best->configuration;
       route.push_back(make_stop(request, *best, done));
       for (int s = 1; s < options.stops; ++s) {
-        const auto next = best_stop(search, done, at);
+        const auto next = best_stop(search, done, at, nobody);
         if (!next || next->rate < 0.5 * best->rate) break;
         at = next->configuration;
         route.push_back(make_stop(request, *next, done));
@@ -274,7 +290,7 @@ class RatePlanner {
   static constexpr double kMore = 1.1;  ///< Times what was left, for another look to be worth it.
 
   std::optional<Candidate> best_stop(const Search& s, std::span<const char> done,
-                                     const Configuration& from) {
+                                     const Configuration& from, const TeamFlights& flights) {
     std::optional<Candidate> best;
     if (s.targets.size() == 0) return best;
     const Point3 start = s.request.free_space.free_start(from.position);
@@ -296,8 +312,9 @@ class RatePlanner {
     const auto visit = [&](const auto& site) {
       const double level_cost = site.distance + stop_cost;  // of no later site it is less
       if (!beats(options.view_share * s.around.largest(), level_cost)) return false;
-      const double cost =
-          level_cost + climb_cost * std::max(0.0, site.position.z() - from.position.z());
+      double cost = level_cost + climb_cost * std::max(0.0, site.position.z() - from.position.z());
+      if (flights.meet({from.position, site.position}))
+        cost += options.meeting_share * s.request.camera.max_range;
       const auto could_be_best = [&] {
         if (!beats(s.most.at_any_heading(site.cell), cost)) return false;
         const auto most = s.most(site.cell);

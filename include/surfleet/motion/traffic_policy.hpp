@@ -98,11 +98,12 @@ inline double polyline_distance(std::span<const Point3> p, std::span<const Point
 ///
 /// Right of way: cornered robots, then those with a task, then the higher priority, then the lower
 /// id. A robot whose way and a senior's come closer than the clearance allows, at the times they
-/// would be there, waits if it is out of the senior's way where it stands, else steps aside to the
-/// nearest free place that is; without any it stays, says it is cornered and has the right of way
-/// for a while. Whatever the rank, no robot closes in on another so far that both could not brake:
-/// two robots that both keep this rule never touch, the senior included. The highest-ranked robot
-/// waits for no one who can make room, so it arrives; then the next one does.
+/// would be there, goes on as far as it can still wait out of the senior's way. If it stands in
+/// that way, it steps aside to the nearest free place that is out of it; without any it stays, says
+/// it is cornered and has the right of way for a while. Whatever the rank, no robot closes in on
+/// another so far that both could not brake: two robots that both keep this rule never touch, the
+/// senior included. The highest-ranked robot waits for no one who can make room, so it arrives;
+/// then the next one does.
 class TrafficPolicy {
  public:
   TrafficOptions options;
@@ -139,7 +140,8 @@ class TrafficPolicy {
       cornered_until_ = now + options.cornered_time;
       return {Maneuver::Kind::stop, me.position, conflict->id};
     }
-    if (conflict != nullptr) return {Maneuver::Kind::stop, me.position, conflict->id};
+    if (conflict != nullptr && !may_go_on(me, others))
+      return {Maneuver::Kind::stop, me.position, conflict->id};
     if (const int id = too_close(me, others); id >= 0)
       return {Maneuver::Kind::stop, me.position, id};
     return none;
@@ -192,6 +194,21 @@ class TrafficPolicy {
       if ((p - q).norm() < limit) return true;
     }
     return false;
+  }
+  /// Whether `me` could wait as well where it would come to a stand if told so at the next
+  /// decision.
+  bool may_go_on(const TrafficAgent& me, std::span<const TrafficAgent> others) const {
+    if (me.path.size() < 2) return true;
+    TrafficAgent later = me;
+    later.position = detail::point_along(
+        me.path, 2.0 * me.speed * options.period + 0.5 * me.speed * me.speed / options.braking);
+    return std::none_of(others.begin(), others.end(), [&](const TrafficAgent& o) {
+      if (o.id == me.id || !before(o, me)) return false;
+      const double keep = me.radius + o.radius + options.clearance;
+      const double gap = (later.position - o.position).norm();
+      return gap < std::min(keep, (me.position - o.position).norm()) ||
+             comes_closer(later, o, keep, true);
+    });
   }
   template <typename Free>
   std::pair<Point3, bool> place_aside(const TrafficAgent& me, std::span<const TrafficAgent> others,

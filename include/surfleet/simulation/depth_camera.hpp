@@ -37,9 +37,10 @@ inline std::optional<double> intersect_sphere(const Point3& origin,
 
 /// Casts one ray a pixel centre against a scene and teammates' bodies; noise is a policy.
 ///
-/// Pixel values [m along z]: 0 where the first surface is nearer than the minimum range;
-/// 1.01 × the maximum range where there is none up to that range, which says that all of it is
-/// free; else the depth, spoiled by the noise and kept within the range. O(pixels · ray).
+/// Pixel values [m along z]: 0 where the first surface is nearer than the minimum range; within the
+/// range the depth, spoiled by the noise and kept within the range; a little beyond it the depth,
+/// and twice the maximum range where there is nothing. Both say that all of the range is free, and
+/// neither that there is a surface at its end. O(pixels · ray).
 template <DepthNoise Noise = NoNoise>
 class DepthCamera {
  public:
@@ -50,8 +51,10 @@ class DepthCamera {
   explicit DepthCamera(const PinholeCamera& camera = {}, Noise n = {}, int thread_count = 1)
       : model(camera), noise(n), threads(thread_count) {}
 
-  /// The value of a pixel whose ray meets nothing up to the maximum range.
-  float beyond_range() const { return static_cast<float>(1.01 * model.max_range); }
+  /// The value of a pixel whose ray meets nothing up to `reach`.
+  float beyond_range() const { return static_cast<float>(2.0 * model.max_range); }
+  /// How far surface is told of at all [m].
+  double reach() const { return 1.25 * model.max_range; }
 
   /// The image from `T_world_camera`. `random` names the image's noise: the same stream gives the
   /// same image on any number of threads.
@@ -68,7 +71,7 @@ class DepthCamera {
                         std::max(model.cy, model.height - 1 - model.cy) / model.fy, 1.0)
             .norm();
     for (const Sphere& s : teammates)
-      if ((s.center - origin).norm() < model.max_range * corner + s.radius) near.push_back(s);
+      if ((s.center - origin).norm() < reach() * corner + s.radius) near.push_back(s);
     constexpr std::size_t kRows = 4;  // a bundle is a band of rows: near rays, few calls
     const auto height = static_cast<std::size_t>(model.height);
     const auto width = static_cast<std::size_t>(model.width);
@@ -81,13 +84,13 @@ class DepthCamera {
           directions.push_back(R * model.ray(static_cast<double>(u), static_cast<double>(v)));
       std::vector<double> depth(directions.size());
       // Directions have z = 1 in the camera frame, so the ray's parameter is the depth.
-      cast_bundle(scene, origin, directions, model.max_range, depth);
+      cast_bundle(scene, origin, directions, reach(), depth);
       for (std::size_t i = 0; i < depth.size(); ++i) {
         double d = depth[i];
         for (const Sphere& s : near)
           if (const auto t = intersect_sphere(origin, directions[i], s); t && *t < d) d = *t;
         float& pixel = image.depth[first * width + i];
-        if (d > model.max_range)
+        if (d > reach())
           pixel = beyond_range();
         else
           pixel = d < model.min_range ? 0.0F : static_cast<float>(d);
