@@ -11,6 +11,7 @@
 #include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/fleet/rate_then_tours.hpp>
 #include <surfleet/fleet/team_flights.hpp>
 #include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
@@ -502,6 +503,51 @@ TEST(one_drone_climbs_where_that_is_worth_coming_back) {
   CHECK(first_stop(3.0, 1).z() < 1.0);
   CHECK(first_stop(3.0, 1).x() > 2.0);
   CHECK(first_stop(3.0, 2) == first_stop(0.0, 2));
+}
+
+/// Sends all to one place, at the rate and for the look it is told.
+struct SendAll {
+  Point3 goal = Point3::Zero();
+  double rate = 1.0;
+  double last_rate() const { return rate; }
+  double broadest_look() const { return rate; }
+  PlanResult operator()(const PlanRequest& request) const {
+    return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{{{goal, 0.0}, {}}}), {}};
+  }
+};
+TEST(nobody_leaves_a_tour_for_what_is_broad_but_far) {
+  TsdfMap map({.voxel_size = 0.3});
+  const Box3 region(Point3(-9.0, -9.0, -2.0), Point3(9.0, 9.0, 2.0));
+  StillMission still(map, {.radius = 0.4, .bounds = region, .margin = 0.1},
+                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
+  const Point3 broad(8.0, 0.0, 0.0), rest(0.0, 0.0, 0.0);
+  const auto ask = [&](auto& planner, double rate, std::span<const double> places) {
+    std::vector<RobotRequest> robots;
+    for (const double x : places) robots.push_back({{Point3(x, 0.0, 0.0), 0.0}, true, {}});
+    planner.first.rate = rate;
+    return planner(still.request(robots));
+  };
+  const auto goal = [](const PlanResult& result, std::size_t robot) {
+    return result.routes[robot]->at(0).configuration.position;
+  };
+  const std::vector<double> team{7.0, 3.3, -8.0};
+  RateThenTours<SendAll, SendAll> planner(SendAll{broad}, SendAll{rest});
+  PlanResult result = ask(planner, 1.0, team);
+  for (std::size_t r = 0; r < 3; ++r) CHECK(goal(result, r) == broad);
+  ask(planner, 0.0, team);
+  CHECK(planner.touring());
+  for (int i = 0; i < 2; ++i) {
+    result = ask(planner, 0.9, team);
+    CHECK(!planner.touring());
+    CHECK(goal(result, 0) == broad && goal(result, 1) == broad && goal(result, 2) == rest);
+  }
+  // One alone goes, as nobody else will.
+  RateThenTours<SendAll, SendAll> lone(SendAll{broad}, SendAll{rest});
+  const std::vector<double> one{-8.0};
+  ask(lone, 1.0, one);
+  ask(lone, 0.0, one);
+  CHECK(lone.touring());
+  CHECK(goal(ask(lone, 0.9, one), 0) == broad);
 }
 
 TEST(nobody_is_sent_across_a_teammate_s_flight_where_there_is_as_much_elsewhere) {

@@ -31,7 +31,10 @@ class RateThenTours {
   /// Of the mean rate: in a team some have nothing good left long before the others.
   double team_share = 0.4, lone_share = 0.2;
   double broad = 0.3;  ///< Share of the broadest look of the mission that still counts as broad.
-  int memory = 4;      ///< Requests a robot that the recent rate is averaged over.
+  /// Once tours have begun, nobody in a team leaves his for what is farther off than this, over the
+  /// range: those who are there will have seen it by then.
+  double far = 2.4;
+  int memory = 4;  ///< Requests a robot that the recent rate is averaged over.
   /// When a new plan is wanted, as in `PlanResult`: in a team what one was sent for others see on
   /// their way, besides.
   double team_utility_share = 0.1, lone_utility_share = 0.2;
@@ -57,8 +60,9 @@ class RateThenTours {
     if (touring_) {
       if (!is_broad) return then(request);
       touring_ = false;
+      toured_ = true;
       recent_ = mean_;
-      return result;
+      return without_far_goals(request, std::move(result));
     }
     mean_ += (rate - mean_) / static_cast<double>(++count_);
     const double window = static_cast<double>(memory) * static_cast<double>(request.robots.size());
@@ -67,12 +71,32 @@ class RateThenTours {
                                       [](const RobotRequest& r) { return r.idle; });
     const double share = request.is_team() ? team_share : lone_share;
     touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
-    return touring_ ? then(request) : result;
+    if (touring_) return then(request);
+    return toured_ ? without_far_goals(request, std::move(result)) : result;
+  }
+  /// Gives those whose goal is far the tours they would be on.
+  PlanResult without_far_goals(const PlanRequest& request, PlanResult result) {
+    const double limit = far * request.camera.max_range;
+    const auto goes_far = [&](std::size_t r) {
+      const auto& route = result.routes[r];
+      return route && !route->empty() &&
+             (route->front().configuration.position - request.robots[r].configuration.position)
+                     .norm() > limit;
+    };
+    std::vector<std::size_t> robots;
+    for (std::size_t r = 0; r < result.routes.size(); ++r)
+      if (goes_far(r)) robots.push_back(r);
+    if (robots.empty() || !request.is_team()) return result;
+    PlanResult tours = then(request);
+    for (const std::size_t r : robots)
+      if (tours.routes[r] && !tours.routes[r]->empty())
+        result.routes[r] = std::move(tours.routes[r]);
+    return result;
   }
 
   double mean_ = 0.0, recent_ = 0.0;  // rates [m²/m]
   double broadest_ = 0.0;             // look so far [m²]
   std::size_t count_ = 0;             // of requests to the first
-  bool touring_ = false;
+  bool touring_ = false, toured_ = false;
 };
 }  // namespace surfleet
