@@ -44,9 +44,11 @@ struct RatePlannerOptions {
   double space_worth = 0.5;
   double space_near = 0.6;  ///< So near is not far, over the range.
   double space_full = 0.3;  ///< Surface near by that makes it count fully, over the range squared.
-  /// The same for a team, and how many times the full worth it may be at the most: where robots can
-  /// fly only what was seen empty, the team is no faster than space is opened before it.
-  double team_space_full = 0.8, team_space_most = 4.0;
+  /// The same for a team where the region is higher than `climb_height` times the range, and how
+  /// many times the full worth it may be there at the most: a level camera opens the space above
+  /// but slowly, and where robots can fly only what was seen empty, the team is no faster than
+  /// that.
+  double climb_space_full = 0.8, climb_space_most = 4.0, climb_height = 4.0;
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
   int stops = 2;              ///< Stops planned ahead for each robot.
   /// What one look is thought to see at the most of the worth around a place: where that much would
@@ -195,9 +197,10 @@ class RatePlanner {
       const double range = request.camera.max_range;
       space_.update(request.observed, request.region, options.space_share * range);
       const WorthAround surface(targets, options.space_near * range);
-      const bool team = request.is_team();
-      const double full = (team ? options.team_space_full : options.space_full) * range * range;
-      const double limit = team ? options.team_space_most : 1.0;
+      const bool climb =
+          request.is_team() && request.region.sizes().z() > options.climb_height * range;
+      const double full = (climb ? options.climb_space_full : options.space_full) * range * range;
+      const double limit = climb ? options.climb_space_most : 1.0;
       const double unit = options.space_worth * space_.edge() * space_.edge();
       for (std::size_t i = 0; i < space_.size(); ++i) {
         const double near = surface(space_.center(i));
