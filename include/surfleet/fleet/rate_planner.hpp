@@ -36,8 +36,9 @@ struct RatePlannerOptions {
   double sight_share = 0.85;      ///< Farthest look that counts, over the camera's range.
   double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
   double prediction_worth = 0.6;  ///< Worth of predicted surface beside surface at hand.
-  /// The least that an element counts, however small its voxel: left behind, it costs a stop [m²].
-  double element_worth = 0.09;
+  /// What an element counts, in faces of a voxel: more than it shows, as left behind it costs a
+  /// stop.
+  double element_faces = 4.0;
   /// Worth of the border to unseen space beside surface at hand, for what it may hide; 0: none.
   /// It counts by how much surface is to be seen around, and far from any the less the less of what
   /// was opened there held surface.
@@ -183,7 +184,7 @@ class RatePlanner {
         targets.push_back({e.frontier(voxel), e.direction, 0.0, 2});
         members_.emplace_back();
       }
-      targets[it->second].worth += std::max(voxel * voxel, options.element_worth);
+      targets[it->second].worth += options.element_faces * voxel * voxel;
       members_[it->second].push_back(static_cast<std::int32_t>(i));
     }
     const double reach = options.prediction_share * request.camera.max_range;
