@@ -54,6 +54,8 @@ struct PlanRequest {
   std::uint64_t round = 0;  ///< Number of this request: a seed that never repeats.
 
   bool is_team() const { return robots.size() > 1; }  ///< Or one robot alone.
+  /// Height of the region over the camera's range.
+  double relative_height() const { return region.sizes().z() / camera.max_range; }
 };
 
 /// New routes and the elements for which the planner found none.

@@ -198,8 +198,7 @@ class RatePlanner {
       const double range = request.camera.max_range;
       space_.update(request.observed, request.region, options.space_share * range);
       const WorthAround surface(targets, options.space_near * range);
-      const bool climb =
-          request.is_team() && request.region.sizes().z() > options.climb_height * range;
+      const bool climb = request.is_team() && request.relative_height() > options.climb_height;
       const double full = (climb ? options.climb_space_full : options.space_full) * range * range;
       const double limit = climb ? options.climb_space_most : 1.0;
       const double unit = options.space_worth * space_.edge() * space_.edge();

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 #include <surfleet/fleet/plan.hpp>
 
@@ -71,22 +72,20 @@ class RateThenTours {
                                       [](const RobotRequest& r) { return r.idle; });
     const double share = request.is_team() ? team_share : lone_share;
     touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
-    if (touring_) return then(request);
-    return toured_ ? without_far_goals(request, std::move(result)) : result;
+    return touring_ ? then(request) : without_far_goals(request, std::move(result));
   }
-  /// Gives those whose goal is far the tours they would be on.
+  /// In a team that has toured, gives those whose goal is far the tours they would be on.
   PlanResult without_far_goals(const PlanRequest& request, PlanResult result) {
-    const double limit = far * request.camera.max_range;
-    const auto goes_far = [&](std::size_t r) {
-      const auto& route = result.routes[r];
-      return route && !route->empty() &&
-             (route->front().configuration.position - request.robots[r].configuration.position)
-                     .norm() > limit;
-    };
+    if (!toured_ || !request.is_team()) return result;
     std::vector<std::size_t> robots;
-    for (std::size_t r = 0; r < result.routes.size(); ++r)
-      if (goes_far(r)) robots.push_back(r);
-    if (robots.empty() || !request.is_team()) return result;
+    for (std::size_t r = 0; r < result.routes.size(); ++r) {
+      const auto& route = result.routes[r];
+      if (!route || route->empty()) continue;
+      const Point3& goal = route->front().configuration.position;
+      if ((goal - request.robots[r].configuration.position).norm() > far * request.camera.max_range)
+        robots.push_back(r);
+    }
+    if (robots.empty()) return result;
     PlanResult tours = then(request);
     for (const std::size_t r : robots)
       if (tours.routes[r] && !tours.routes[r]->empty())

@@ -48,7 +48,7 @@ class ToursBehind {
 
   PlanResult operator()(const PlanRequest& request) {
     if (request.robots.size() < options.least_team || front.touring() ||
-        request.region.sizes().z() < options.least_height * request.camera.max_range)
+        request.relative_height() < options.least_height)
       return everyone(request);
     std::vector<RobotRequest> robots(request.robots.begin(), request.robots.end());
     const std::vector<IncompleteElement> left = left_behind(request);
