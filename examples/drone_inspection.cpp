@@ -44,12 +44,10 @@ int run(int argc, char** argv) {
   const InspectionSettings& s = a.settings;
   InspectionSite site(open_scene(s), s);
   // Whatever can be refused is refused before the first file is made.
-  const std::vector<Configuration> starts = site.starts(s, s.robots);
+  site.find_reference(s, site.starts(s, s.robots).front().position);
   const auto out = cli::prepare_output_folder(a.out);
   cli::watch_interrupts();
   cli::ProgressLine line(!a.quiet);
-  line("finding what could be seen of " + site.scene.name);
-  site.find_reference(s, starts.front().position);
 
   CoverageWatch watch(site, half_voxel_diagonal(s.voxel));
   const InspectionRun run =
@@ -63,9 +61,12 @@ int run(int argc, char** argv) {
         return !cli::interrupted();
       });
   line.finish();
-  write_inspection(out, s, site, run, watch.curve());
+  // The reconstruction comes first, so that it is there whatever happens to the rest.
+  write_inspection(out, run);
+  const InspectionJudgement judged = judge_inspection(s, site, run);
+  write_judgement(out, s, site, run, judged, watch.curve());
 
-  const ReconstructionMetrics& m = run.evaluation.metrics;
+  const ReconstructionMetrics& m = judged.evaluation.metrics;
   std::printf("%s: %s, %d drone%s, planner %s\n", run.result.complete ? "complete" : "ended early",
               site.scene.name.c_str(), s.robots, s.robots == 1 ? "" : "s", s.planner.c_str());
   std::printf("  path %.1f m, time %.0f s, planning %.1f s, machine %.1f s\n",
@@ -75,7 +76,7 @@ int run(int argc, char** argv) {
               100.0 * m.surface_coverage, 100.0 * m.rmse_m, 100.0 * m.m3c2_mean_m,
               100.0 * m.m3c2_std_m);
   std::printf("  collisions %d, least clearance %.2f m, %zu incomplete elements left\n",
-              run.judged.collisions, run.judged.min_clearance_m, run.result.remaining);
+              judged.paths.collisions, judged.paths.min_clearance_m, run.result.remaining);
   std::printf("  see %s\n", (out / "report.html").c_str());
   return run.result.complete ? cli::kDone : cli::kIncomplete;
 }

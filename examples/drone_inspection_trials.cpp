@@ -30,21 +30,25 @@ std::string spread(const std::vector<double>& values, double scale, int digits) 
          format_number(scale * m.sample_deviation(), digits);
 }
 
-/// Mean paths to the milestones of coverage; a dash where not every trial reached one.
+/// Mean paths to the milestones of coverage, of the trials that reached them; how many did not.
 std::string at_milestones(const std::array<std::vector<double>, kMilestones.size()>& paths,
                           std::size_t trials) {
   std::string text;
-  for (const std::vector<double>& p : paths)
+  for (const std::vector<double>& p : paths) {
     text += (text.empty() ? "" : ", ") +
-            (p.size() == trials ? format_number(moments(p).mean(), 0) : std::string("-"));
+            (p.empty() ? std::string("-") : format_number(moments(p).mean(), 0));
+    if (!p.empty() && p.size() < trials)
+      text += " (" + std::to_string(trials - p.size()) + " never)";
+  }
   return text;
 }
 
 int run(int argc, char** argv) {
   cli::Options app(
       "Runs an inspection for every planner, fleet size and seed, and prints mean and "
-      "standard deviation.\nWrites trials.json and report.html to --out.");
-  InspectionOptions options(app);
+      "standard deviation.\nWrites trials.json and report.html to --out. Missions that --max-time "
+      "cuts short are counted and told of; one that Ctrl-C ends is in trials.json alone.");
+  InspectionOptions options(app, InspectionProgram::trials);
   std::string out = "out/trials";
   std::vector<std::string> planners{"surfleet", "tsga", "nnb"};
   std::vector<int> fleets{1, 3, 5};
@@ -71,13 +75,13 @@ int run(int argc, char** argv) {
   Table table{.caption = "Mean ± standard deviation over " + std::to_string(trials) + " seeds",
               .columns = {"planner", "drones", "path to 90, 95, 98 % [m]", "path [m]", "time [s]",
                           "coverage [%]", "RMSE [cm]", "collisions", "least clearance [m]",
-                          "planning [s]", "machine [s]"}};
+                          "planning [s]", "machine [s]", "complete"}};
   bool complete = true;
   for (const std::string& planner : planners)
     for (const int n : fleets) {
       std::vector<double> path, time, coverage, rmse, planning, wall;
       std::array<std::vector<double>, kMilestones.size()> milestones;
-      int collisions = 0;
+      int collisions = 0, completed = 0;
       double clearance = std::numeric_limits<double>::infinity();
       for (int k = 0; k < trials && !cli::interrupted(); ++k) {
         InspectionSettings s = base;
@@ -96,37 +100,39 @@ int run(int argc, char** argv) {
               line(text);
               return !cli::interrupted();
             });
+        const InspectionJudgement judged = judge_inspection(s, site, one);
+        all.push_back(inspection_metrics(s, site, one, judged, watch.curve()));
+        // Written after every trial, so that an interrupt loses nothing.
+        write_file(folder / "trials.json", all.dump(2) + "\n");
         complete = complete && one.result.complete;
-        all.push_back(inspection_metrics(s, site, one, watch.curve()));
+        if (cli::interrupted()) break;
+        completed += one.result.complete ? 1 : 0;
         path.push_back(one.result.total_path_length());
         for (std::size_t i = 0; i < kMilestones.size(); ++i)
           if (const auto at = watch.curve().reached(kMilestones[i]))
             milestones[i].push_back(at->path);
         time.push_back(one.result.completion_time);
-        coverage.push_back(one.evaluation.metrics.surface_coverage);
-        rmse.push_back(one.evaluation.metrics.rmse_m);
+        coverage.push_back(judged.evaluation.metrics.surface_coverage);
+        rmse.push_back(judged.evaluation.metrics.rmse_m);
         planning.push_back(one.result.planning_time);
         wall.push_back(one.wall_time);
-        collisions += one.judged.collisions;
-        clearance = std::min(clearance, one.judged.min_clearance_m);
-        // Written after every trial, so that an interrupt loses nothing.
-        write_file(folder / "trials.json", all.dump(2) + "\n");
+        collisions += judged.paths.collisions;
+        clearance = std::min(clearance, judged.paths.min_clearance_m);
       }
       if (path.empty()) continue;
       table.add_row({planner, std::to_string(n), at_milestones(milestones, path.size()),
                      spread(path, 1.0, 0), spread(time, 1.0, 0), spread(coverage, 100.0, 1),
                      spread(rmse, 100.0, 2), std::to_string(collisions),
-                     format_number(clearance, 2), spread(planning, 1.0, 1), spread(wall, 1.0, 1)});
+                     format_number(clearance, 2), spread(planning, 1.0, 1), spread(wall, 1.0, 1),
+                     std::to_string(completed) + " of " + std::to_string(path.size())});
     }
   line.finish();
-  for (const auto& row : {table.columns}) {
+  const auto print = [](const std::vector<std::string>& row) {
     for (const std::string& cell : row) std::printf("%-20s", cell.c_str());
     std::printf("\n");
-  }
-  for (const auto& row : table.rows) {
-    for (const std::string& cell : row) std::printf("%-20s", cell.c_str());
-    std::printf("\n");
-  }
+  };
+  print(table.columns);
+  for (const auto& row : table.rows) print(row);
   Report report("Trials on " + site.scene.name, table.caption);
   report.add_table(table);
   report.write(folder / "report.html");

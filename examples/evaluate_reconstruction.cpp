@@ -12,13 +12,15 @@
 #include <surfleet/adapters/png_writer.hpp>
 #include <surfleet/evaluation.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
+#include <surfleet/mapping/map_file.hpp>
+#include <surfleet/mapping/mesh_extractor.hpp>
 
 #include "support/cli.hpp"
 
 namespace {
 using namespace surfleet;
 
-/// A file's surface: a mesh, or a cloud where the file has no triangles.
+/// A file's surface: a mesh, also that of a saved map, or a cloud where the file has no triangles.
 struct Surface {
   TriangleMesh mesh;
   PointCloud cloud;
@@ -31,6 +33,11 @@ Surface read_surface(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   // A PLY file may hold either; its header tells.
+  if (extension == ".sfm") {
+    surface.mesh = extract_mesh(load_map(path), {.min_weight = 1e-6});
+    require(surface.is_mesh(), path + ": no surface in this map; expected one that saw some");
+    return surface;
+  }
   bool cloud = extension == ".xyz";
   if (extension == ".ply") {
     const Bytes bytes = read_file(path);
@@ -135,7 +142,7 @@ int evaluate_files(int argc, char** argv) {
   cli::Options app(
       "Measures a reconstruction against a reference: surface coverage at e_max, M3C2 mean, "
       "standard deviation and RMSE, and distances both ways.\nMeshes: .ply .obj .stl .off; "
-      "clouds: .ply .xyz. Lengths in metres.");
+      "clouds: .ply .xyz; maps as missions leave them: .sfm. Lengths in metres.");
   std::string reference_path, reconstruction_path, out;
   std::vector<double> crop;
   double max_core_points = 200000;
@@ -202,6 +209,7 @@ int evaluate_files(int argc, char** argv) {
   const auto centimetres = [](double v) { return format_number(100.0 * v, 2); };
   table.add_row(
       {"surface coverage within e_max", format_number(100.0 * m.surface_coverage, 2), "%"});
+  table.add_row({"the same by M3C2", format_number(100.0 * m.m3c2_coverage, 2), "%"});
   table.add_row({"M3C2 mean", centimetres(m.m3c2_mean_m), "cm"});
   table.add_row({"M3C2 standard deviation", centimetres(m.m3c2_std_m), "cm"});
   table.add_row({"RMSE", centimetres(m.rmse_m), "cm"});
@@ -217,16 +225,17 @@ int evaluate_files(int argc, char** argv) {
 
   nlohmann::ordered_json json;
   json["surface_coverage"] = m.surface_coverage;
+  json["m3c2_coverage"] = m.m3c2_coverage;
   json["m3c2_mean_m"] = m.m3c2_mean_m;
   json["m3c2_std_m"] = m.m3c2_std_m;
   json["rmse_m"] = m.rmse_m;
   json["m3c2_unpruned_mean_m"] = m.m3c2_unpruned_mean_m;
   json["m3c2_unpruned_std_m"] = m.m3c2_unpruned_std_m;
   json["unpruned_rmse_m"] = m.unpruned_rmse_m;
-  json["reference_to_reconstruction_mean_m"] = m.completeness_mean_m;
-  json["reference_to_reconstruction_p95_m"] = m.completeness_p95_m;
-  json["reconstruction_to_reference_mean_m"] = m.accuracy_mean_m;
-  json["reconstruction_to_reference_p95_m"] = m.accuracy_p95_m;
+  json["completeness_mean_m"] = m.completeness_mean_m;
+  json["completeness_p95_m"] = m.completeness_p95_m;
+  json["accuracy_mean_m"] = m.accuracy_mean_m;
+  json["accuracy_p95_m"] = m.accuracy_p95_m;
   json["e_max_m"] = options.e_max;
   json["projection_scale_m"] = options.cylinder_diameter();
   json["reference_points"] = m.reference_points;

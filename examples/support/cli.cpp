@@ -2,7 +2,13 @@
 #include "support/cli.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <iostream>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
 
 namespace surfleet::cli {
 Option& Option::required() {
@@ -34,7 +40,42 @@ Option& Option::separated_by(char mark) {
   return *this;
 }
 
-Options::Options(const std::string& description) : app_(std::make_unique<CLI::App>(description)) {}
+namespace {
+/// What a value of an option must look like.
+template <typename T>
+constexpr const char* kExpected = "a word";
+template <>
+constexpr const char* kExpected<int> = "a whole number";
+template <>
+constexpr const char* kExpected<std::int64_t> = kExpected<int>;
+template <>
+constexpr const char* kExpected<std::uint64_t> = "a whole number of 0 or more";
+template <>
+constexpr const char* kExpected<double> = "a number";
+
+template <typename T>
+struct ValueOf {
+  using type = T;
+};
+template <typename T>
+struct ValueOf<std::optional<T>> : ValueOf<T> {};
+template <typename T>
+struct ValueOf<std::vector<T>> : ValueOf<T> {};
+
+/// Refuses what is no such value, for a reason that says what would be.
+template <typename T>
+std::string check_value(const std::string& text) {
+  T value{};
+  const bool negative = std::is_unsigned_v<T> && text.find('-') != text.npos;
+  if (!negative && CLI::detail::lexical_cast(text, value)) return "";
+  return "'" + text + "': expected " + kExpected<T>;
+}
+}  // namespace
+
+Options::Options(const std::string& description) : app_(std::make_unique<CLI::App>(description)) {
+  // A setting in a file that nobody reads would be a mistake nobody sees.
+  app_->allow_config_extras(CLI::config_extras_mode::error);
+}
 Options::~Options() = default;
 
 Option Options::declare(const std::string& name, const Variable& variable,
@@ -46,6 +87,8 @@ Option Options::declare(const std::string& name, const Variable& variable,
         if constexpr (requires { value->empty(); }) shown = !value->empty();
         if constexpr (requires { value->has_value(); }) shown = value->has_value();
         if (shown) option->capture_default_str();
+        using Value = typename ValueOf<std::decay_t<decltype(*value)>>::type;
+        option->check([](const std::string& text) { return check_value<Value>(text); });
         return Option(*option);
       },
       variable);

@@ -22,18 +22,20 @@
 namespace surfleet::examples {
 namespace {
 AnyPlanner planner_for(const InspectionSettings& s) {
-  TourPlannerOptions tours;
-  tours.distance = s.standoff;
-  tours.clusters = {
+  PlannerSettings p;
+  p.tours.distance = s.standoff;
+  p.tours.clusters = {
       .radius = s.cluster_radius,
       .max_radius = s.cluster_max_radius,
       .max_extent = planner_by_name(s.planner).bounded_clusters ? 2.0 * s.cluster_max_radius : 0.0};
-  tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
+  p.tours.by_path = s.cluster_distance == "path";
+  p.tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
+  p.merge = s.merge;
   // A stop takes some two seconds, with the braking before it and the images there.
-  const StopDistance cost{.stop = 2.0 * s.speed, .turn = s.speed / AerialLimits{}.yaw_rate};
-  return make_planner(s.planner, tours, cost, {});
+  p.cost = {.stop = 2.0 * s.limits.speed, .turn = s.limits.speed / s.limits.yaw_rate};
+  if (s.utility_share_given) p.utility_share = s.utility_share;
+  return make_planner(s.planner, p);
 }
-
 }  // namespace
 
 Scene open_scene(const InspectionSettings& s) {
@@ -53,6 +55,7 @@ Scene open_scene(const InspectionSettings& s) {
     o.margin = s.margin;
     return scene_from_mesh(read_mesh(s.scene), o);
   }
+  require(!s.ground, "--ground: a bundled scene has its own; expected a mesh file as --scene");
   Scene scene = scene_by_name(s.scene);
   if (bounds) scene.bounds = *bounds;
   if (start) {
@@ -65,12 +68,38 @@ Scene open_scene(const InspectionSettings& s) {
   return scene;
 }
 
+namespace {
+/// Points that both surfaces are sampled with at the most; larger scenes are sampled less densely.
+constexpr double kMostSamples = 1e7;
+
+EvaluationOptions evaluation_options(const InspectionSettings& s, double area) {
+  EvaluationOptions e;
+  e.e_max = half_voxel_diagonal(s.voxel);
+  e.density = std::min(e.sampling_density(), kMostSamples / area);
+  e.threads = s.threads;
+  return e;
+}
+/// What lies in the region, some samples a voxel's face. Throws `Error` if that is nothing.
+SurfaceSamples sample_region(const Scene& scene, double voxel) {
+  const TriangleMesh structure = scene.structure();
+  const double density = std::min(3.0 / (voxel * voxel), kMostSamples / structure.area());
+  const SurfaceSamples all = sample_surface(structure, {.density = density});
+  std::vector<std::uint8_t> inside(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    inside[i] = scene.region.contains(all.cloud.points[i]) ? 1 : 0;
+  SurfaceSamples kept = select(all, inside);
+  require(kept.size() > 0, scene.name + ": no surface in the region; expected --bounds around it");
+  return kept;
+}
+}  // namespace
+
 InspectionSite::InspectionSite(Scene s, const InspectionSettings& settings)
     : scene(std::move(s)),
       space(scene.mesh),
       structure(scene.structure()),
       caster(scene.mesh),
-      judge(scene.mesh) {
+      judge(scene.mesh),
+      samples(sample_region(scene, settings.voxel)) {
   const double ratio =
       std::tan(0.5 * radians(settings.fov[1])) / std::tan(0.5 * radians(settings.fov[0]));
   const int height = std::max(12, static_cast<int>(std::lround(settings.image_width * ratio)));
@@ -86,12 +115,6 @@ std::vector<Configuration> InspectionSite::starts(const InspectionSettings& sett
 }
 
 void InspectionSite::find_reference(const InspectionSettings& settings, const Point3& start) {
-  const SurfaceSamples all =
-      sample_surface(scene.structure(), {.density = 3.0 / (settings.voxel * settings.voxel)});
-  std::vector<std::uint8_t> inside(all.size());
-  for (std::size_t i = 0; i < all.size(); ++i)
-    inside[i] = scene.region.contains(all.cloud.points[i]) ? 1 : 0;
-  const SurfaceSamples samples = select(all, inside);
   const ReachableLattice lattice(space.surface(), {.bounds = scene.bounds,
                                                    .start = start,
                                                    .radius = settings.radius,
@@ -102,7 +125,10 @@ void InspectionSite::find_reference(const InspectionSettings& settings, const Po
   const ObservableSurface seen = observable_surface(samples.cloud, caster, lattice, o);
   reference = select(samples, seen.visible).cloud;
   reference_share = seen.fraction();
-  area_per_sample = samples.area_per_sample;
+  require(!reference.points.empty(),
+          scene.name +
+              ": nothing can be seen from where the drones can get; expected another --start, "
+              "--bounds or --range");
 }
 
 MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site,
@@ -111,7 +137,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   o.camera = site.camera;
   o.voxel_size = s.voxel;
   o.known_weight = s.known_weight;
-  o.tsdf.truncation = 3.0 * s.voxel;
+  o.tsdf.truncation = s.truncation.value_or(3.0 * s.voxel);
   o.body_radius = s.radius;
   o.margin = s.margin;
   o.unknown_margin = s.unknown_margin;
@@ -121,7 +147,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   o.start_clearance = needed / std::sin(0.5 * radians(s.fov[1])) + 1.5 * s.voxel;
   for (const Configuration& q : starts)
     o.start_clearance = std::min(o.start_clearance, site.structure.distance(q.position));
-  o.limits.speed = s.speed;
+  o.limits = s.limits;
   o.image_period = 1.0 / s.rate;
   o.utility_share = s.utility_share;
   o.looks.max_looks = s.max_looks;
@@ -135,14 +161,14 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   return o;
 }
 
-InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
+InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
                              const InspectionProgress& progress) {
   const std::vector<Configuration> starts = site.starts(s, s.robots);
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
     DroneWorld<EmbreeRayCaster> world(
         site.caster, site.camera, forward_camera_mount(),
-        {.noise = s.noise, .body_radius = 0.5 * s.radius, .seed = s.seed});
+        {.noise = s.noise, .stereo = s.stereo, .body_radius = 0.5 * s.radius, .seed = s.seed});
     Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site, starts),
                                                              world, starts, planner_for(s));
     const auto before = std::chrono::steady_clock::now();
@@ -153,20 +179,26 @@ InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
     run.map = mission.take_map();
     run.mission_memory = peak_memory();
   }
-  const TriangleMesh surface = extract_mesh(run.map, {.min_weight = 1e-6});
-  run.reconstruction = cropped(surface, site.scene.region);
-  std::vector<std::vector<Point3>> paths;
-  for (const auto& trajectory : run.result.trajectories) {
-    paths.emplace_back();
-    for (const TimedConfiguration& t : trajectory) paths.back().push_back(t.configuration.position);
-  }
-  run.judged = judge_paths(site.judge, paths, s.radius);
-  if (site.reference.points.empty()) site.find_reference(s, starts.front().position);
-  EvaluationOptions e;
-  e.e_max = half_voxel_diagonal(s.voxel);
-  e.threads = s.threads;
-  const MeasuredSurface truth = MeasuredSurface::from(site.scene.structure(), e);
-  run.evaluation = evaluate(site.reference, truth, MeasuredSurface::from(run.reconstruction, e), e);
+  run.reconstruction = cropped(extract_mesh(run.map, {.min_weight = 1e-6}), site.scene.region);
   return run;
+}
+
+std::vector<std::vector<Point3>> InspectionRun::paths() const {
+  std::vector<std::vector<Point3>> all;
+  for (const auto& trajectory : result.trajectories) {
+    all.emplace_back();
+    for (const TimedConfiguration& t : trajectory) all.back().push_back(t.configuration.position);
+  }
+  return all;
+}
+
+InspectionJudgement judge_inspection(const InspectionSettings& s, const InspectionSite& site,
+                                     const InspectionRun& run) {
+  const TriangleMesh structure = site.scene.structure();
+  const EvaluationOptions e =
+      evaluation_options(s, std::max(structure.area(), run.reconstruction.area()));
+  return {.evaluation = evaluate(site.reference, MeasuredSurface::from(structure, e),
+                                 MeasuredSurface::from(run.reconstruction, e), e),
+          .paths = judge_paths(site.judge, run.paths(), s.radius)};
 }
 }  // namespace surfleet::examples

@@ -11,6 +11,7 @@
 #include <surfleet/adapters/embree_ray_caster.hpp>
 #include <surfleet/adapters/fcl_mesh_judge.hpp>
 #include <surfleet/evaluation/reconstruction_metrics.hpp>
+#include <surfleet/evaluation/surface_sampling.hpp>
 #include <surfleet/fleet/mission.hpp>
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
@@ -29,36 +30,45 @@ struct InspectionSite {
   EmbreeRayCaster caster;
   MeshJudge judge;
   PinholeCamera camera;
-  PointCloud reference;          ///< Samples of what could be seen.
-  double reference_share = 1.0;  ///< Of the samples in the region.
-  double area_per_sample = 0.0;  ///< [m²]
+  SurfaceSamples samples;        ///< Of the structure in the region.
+  PointCloud reference;          ///< Those of what could be seen.
+  double reference_share = 1.0;  ///< Of the samples.
 
+  /// Throws `Error` where the region has nothing to be seen.
   InspectionSite(Scene s, const InspectionSettings& settings);
 
   /// Where so many drones start. Throws `Error` if there is no room for them.
   std::vector<Configuration> starts(const InspectionSettings& settings, int robots) const;
 
-  /// Finds what could have been seen from `start`: slow, and needed for the judgement alone.
+  /// Finds what could have been seen from `start`: slow, and needed for the judgement alone. Throws
+  /// `Error` if that is nothing.
   void find_reference(const InspectionSettings& settings, const Point3& start);
 };
 
 MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site,
                                const std::vector<Configuration>& starts);
 
-/// A finished mission and what became of it.
+/// A finished mission and what it brought back.
 struct InspectionRun {
   MissionResult result;
   TsdfMap map;
-  TriangleMesh reconstruction;  ///< Cut to the region, without the ground.
-  ReconstructionEvaluation evaluation;
-  JudgeReport judged;
+  TriangleMesh reconstruction;     ///< Cut to the region, without the ground.
   double wall_time = 0.0;          ///< Of the mission alone [s].
   std::size_t mission_memory = 0;  ///< The process's largest until the mission's end [bytes].
+
+  std::vector<std::vector<Point3>> paths() const;  ///< One a robot.
+};
+/// How good that is, against the true scene.
+struct InspectionJudgement {
+  ReconstructionEvaluation evaluation;
+  JudgeReport paths;
 };
 
 /// Told about once a simulated second; ends the mission by returning false.
 using InspectionProgress = std::function<bool(const MissionProgress&, const TsdfMap&)>;
-/// Runs the mission and judges it.
-InspectionRun run_inspection(const InspectionSettings& s, InspectionSite& site,
+InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
                              const InspectionProgress& progress);
+/// The site's reference must have been found.
+InspectionJudgement judge_inspection(const InspectionSettings& s, const InspectionSite& site,
+                                     const InspectionRun& run);
 }  // namespace surfleet::examples

@@ -21,8 +21,9 @@
 
 namespace surfleet::examples {
 nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,
-                                  const InspectionRun& run, const CoverageCurve& curve) {
-  const ReconstructionMetrics& m = run.evaluation.metrics;
+                                  const InspectionRun& run, const InspectionJudgement& judged,
+                                  const CoverageCurve& curve) {
+  const ReconstructionMetrics& m = judged.evaluation.metrics;
   nlohmann::json milestones = nlohmann::json::object();
   for (const double share : kMilestones) {
     const auto at = curve.reached(share);
@@ -50,6 +51,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"path_length_m", run.result.path_length},
           {"path_to_coverage_m", milestones},
           {"surface_coverage", m.surface_coverage},
+          {"m3c2_coverage", m.m3c2_coverage},
           {"observable_share", site.reference_share},
           {"m3c2_mean_m", number(m.m3c2_mean_m)},
           {"m3c2_std_m", number(m.m3c2_std_m)},
@@ -58,8 +60,9 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"completeness_p95_m", number(m.completeness_p95_m)},
           {"accuracy_mean_m", number(m.accuracy_mean_m)},
           {"accuracy_p95_m", number(m.accuracy_p95_m)},
-          {"collisions", run.judged.collisions},
-          {"min_clearance_m", number(run.judged.min_clearance_m)},
+          {"collisions", judged.paths.collisions},
+          {"min_clearance_m", number(judged.paths.min_clearance_m)},
+          {"min_separation_m", number(judged.paths.min_separation_m)},
           {"remaining_ise", run.result.remaining},
           {"remaining_ise_reasons", reasons},
           {"images", run.result.images},
@@ -85,9 +88,23 @@ std::vector<std::byte> view_of(const TriangleMesh& mesh, const Box3& box, double
 }
 }  // namespace
 
-void write_inspection(const std::filesystem::path& out, const InspectionSettings& s,
-                      const InspectionSite& site, const InspectionRun& run,
-                      const CoverageCurve& curve) {
+void write_inspection(const std::filesystem::path& out, const InspectionRun& run) {
+  write_ply(run.reconstruction, out / "reconstruction.ply");
+  save_map(run.map, out / "map.sfm");
+  for (std::size_t r = 0; r < run.result.trajectories.size(); ++r) {
+    std::vector<StampedPose> poses;
+    for (const TimedConfiguration& t : run.result.trajectories[r])
+      poses.push_back({t.time, t.configuration.pose()});
+    write_tum(out / ("trajectory_" + std::to_string(r + 1) + ".tum"), poses);
+  }
+}
+
+void write_judgement(const std::filesystem::path& out, const InspectionSettings& s,
+                     const InspectionSite& site, const InspectionRun& run,
+                     const InspectionJudgement& judged, const CoverageCurve& curve) {
+  const nlohmann::json metrics = inspection_metrics(s, site, run, judged, curve);
+  write_file(out / "metrics.json", metrics.dump(2) + "\n");
+
   // The reconstruction, coloured by its signed distance to the truth.
   const double e_max = half_voxel_diagonal(s.voxel);
   TriangleMesh colored = run.reconstruction;
@@ -95,23 +112,9 @@ void write_inspection(const std::filesystem::path& out, const InspectionSettings
       colored.vertices, site.scene.mesh, site.space.surface(), 2.0 * s.voxel, s.threads);
   colored.colors.clear();
   for (const double e : error) colored.colors.push_back(signed_error_color(e, e_max));
-  write_ply(run.reconstruction, out / "reconstruction.ply");
-  save_map(run.map, out / "map.sfm");
   write_ply(colored, out / "error.ply");
-  std::vector<std::vector<Point3>> paths;
-  for (std::size_t r = 0; r < run.result.trajectories.size(); ++r) {
-    std::vector<StampedPose> poses;
-    paths.emplace_back();
-    for (const TimedConfiguration& t : run.result.trajectories[r]) {
-      poses.push_back({t.time, t.configuration.pose()});
-      paths.back().push_back(t.configuration.position);
-    }
-    write_tum(out / ("trajectory_" + std::to_string(r + 1) + ".tum"), poses);
-  }
-  const nlohmann::json metrics = inspection_metrics(s, site, run, curve);
-  write_file(out / "metrics.json", metrics.dump(2) + "\n");
 
-  const ReconstructionMetrics& m = run.evaluation.metrics;
+  const ReconstructionMetrics& m = judged.evaluation.metrics;
   Report report("Inspection of " + site.scene.name,
                 std::to_string(s.robots) + (s.robots == 1 ? " drone" : " drones") + ", planner " +
                     s.planner + ", seed " + std::to_string(s.seed));
@@ -121,12 +124,12 @@ void write_inspection(const std::filesystem::path& out, const InspectionSettings
       {"total path", format_number(run.result.total_path_length(), 1) + " m", ""},
       {"completion time", format_minutes(run.result.completion_time), "min:s"},
       {"RMSE", format_number(100.0 * m.rmse_m, 2) + " cm", "M3C2 over what is covered"},
-      {"collisions", std::to_string(run.judged.collisions),
-       "least clearance " + format_number(run.judged.min_clearance_m, 2) + " m"},
+      {"collisions", std::to_string(judged.paths.collisions),
+       "least clearance " + format_number(judged.paths.min_clearance_m, 2) + " m"},
       {"elements left", std::to_string(run.result.remaining), "reasons below"}};
   report.add_key_figures(key);
   const Box3 box = site.scene.structure().bounds();
-  report.add_picture(view_of(run.reconstruction, box, radians(-55.0), paths, false),
+  report.add_picture(view_of(run.reconstruction, box, radians(-55.0), run.paths(), false),
                      "The reconstruction and the drones' paths");
   report.add_picture(view_of(run.reconstruction, box, radians(125.0), {}, false),
                      "The reconstruction from the other side", true);

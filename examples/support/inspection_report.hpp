@@ -91,11 +91,13 @@ constexpr std::array<double, 3> kMilestones{0.90, 0.95, 0.98};  ///< Shares whos
 
 /// `metrics.json`.
 nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,
-                                  const InspectionRun& run, const CoverageCurve& curve);
+                                  const InspectionRun& run, const InspectionJudgement& judged,
+                                  const CoverageCurve& curve);
 
-/// Writes everything to `out`. The reconstruction comes first, so that it is there whatever
-/// happens to the rest.
-void write_inspection(const std::filesystem::path& out, const InspectionSettings& s,
-                      const InspectionSite& site, const InspectionRun& run,
-                      const CoverageCurve& curve);
+/// Writes what the mission brought back: reconstruction, map and trajectories.
+void write_inspection(const std::filesystem::path& out, const InspectionRun& run);
+/// Writes what is said of it: metrics, error colours and the report.
+void write_judgement(const std::filesystem::path& out, const InspectionSettings& s,
+                     const InspectionSite& site, const InspectionRun& run,
+                     const InspectionJudgement& judged, const CoverageCurve& curve);
 }  // namespace surfleet::examples

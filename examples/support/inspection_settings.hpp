@@ -13,6 +13,9 @@
 #include "support/planner_names.hpp"
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/motion/kinematics.hpp>
+#include <surfleet/simulation/stereo_noise.hpp>
+#include <surfleet/viewpoint/viewpoint_generation.hpp>
 
 namespace surfleet::examples {
 /// What the seeds set for each scene [000 Tables 2.1, 3.1], and the margins that go with it; as it
@@ -53,17 +56,27 @@ struct InspectionSettings : ScenePreset {
   std::vector<double> fov{90.0, 60.0};
   int image_width = 160;
   double rate = 4.0;
-  double speed = 0.6;
   double radius = 1.0;
   std::vector<double> start, bounds;
   std::optional<double> ground;
   bool noise = true;
+  StereoNoise stereo;
+  AerialLimits limits;
+  std::optional<double> truncation;  ///< [m]; nothing: three voxels.
   int threads = 2;
   double max_time = 7200.0;
   double known_weight = 0.3;
   double cluster_max_radius = 5.0;
+  std::string cluster_distance = "straight";
+  MergeOptions merge;
   int max_looks = 1;
+  /// Whether `utility_share` was asked for, and holds for planners that have one of their own.
+  bool utility_share_given = false;
 };
+
+/// What a program runs with these settings: one inspection, or many of several planners and fleets,
+/// for which it has options of its own.
+enum class InspectionProgram { mission, trials };
 
 /// Declares the options that inspections share. The preset is applied before what is given by name
 /// overrides it: call `settle` after parsing.
@@ -71,13 +84,21 @@ class InspectionOptions {
  public:
   InspectionSettings settings;
 
-  explicit InspectionOptions(cli::Options& app) : app_(app) {
+  explicit InspectionOptions(cli::Options& app,
+                             InspectionProgram program = InspectionProgram::mission)
+      : app_(app) {
+    // A mission that is cut short says nothing beside others, and one drone alone takes long.
+    if (program == InspectionProgram::trials) settings.max_time = 14000.0;
     app.add("--scene", settings.scene,
             "powerplant, statue, house, or a mesh file (.ply .obj .stl .off) [m]");
-    app.add("--preset", settings.preset, "powerplant or statue: the published parameters");
-    app.add("--planner", settings.planner, "one of " + planner_list());
-    app.add("--architecture", settings.architecture, "single or centralized");
-    app.add("--robots", settings.robots, "number of drones");
+    app.add("--preset", settings.preset,
+            "powerplant or statue: the published parameters; the defaults below are those of the "
+            "power plant");
+    if (program == InspectionProgram::mission) {
+      app.add("--planner", settings.planner, "one of " + planner_list());
+      app.add("--architecture", settings.architecture, "single or centralized");
+      app.add("--robots", settings.robots, "number of drones");
+    }
     app.add("--seed", settings.seed, "of noise and roadmap");
     app.add("--voxel", settings.voxel, "edge of a voxel [m]");
     app.add("--range", settings.range, "nearest and farthest depth [m]").expected(2);
@@ -85,7 +106,9 @@ class InspectionOptions {
     app.add("--image-width", settings.image_width, "columns of the depth image [px]");
     app.add("--rate", settings.rate, "images a second");
     app.add("--standoff", settings.standoff, "delta_pose, distance of a view [m]");
-    app.add("--speed", settings.speed, "nominal speed [m/s]");
+    app.add("--speed", settings.limits.speed, "nominal speed [m/s]");
+    app.add("--acceleration", settings.limits.acceleration, "of a drone [m/s^2]");
+    app.add("--yaw-rate", settings.limits.yaw_rate, "at which a drone turns [rad/s]");
     app.add("--radius", settings.radius, "of a drone's body [m]");
     app.add("--margin", settings.margin, "kept beyond the body [m]");
     app.add("--unknown-margin", settings.unknown_margin,
@@ -94,14 +117,29 @@ class InspectionOptions {
     app.add("--bounds", settings.bounds, "flight space x0 y0 z0 x1 y1 z1 [m]").expected(6);
     app.add("--ground", settings.ground, "height of a ground plane under the mesh [m]");
     app.add("--noise", noise_, "stereo noise, on or off");
+    app.add("--disparity-error", settings.stereo.disparity_error, "|e_d| of that noise [px]");
+    app.add("--focal", settings.stereo.focal, "f of that noise [px]");
+    app.add("--baseline", settings.stereo.baseline, "B of that noise [m]");
     app.add("--threads", settings.threads, "threads; the result is the same for any number");
     app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
     app.add("--known-weight", settings.known_weight, "W_th: weight of a known voxel");
+    app.add("--truncation", settings.truncation, "mu of the TSDF [m]; default three voxels");
+    app.add("--merge-distance", settings.merge.distance,
+            "epsilon: viewpoints this near are one, if they look alike [m] (all but surfleet, rate "
+            "and tours)");
     app.add("--cluster-radius", settings.cluster_radius, "d_nu [m]");
-    app.add("--lambda-tc", settings.lambda_tc, "penalty of travel between clusters [1/m]");
-    app.add("--lambda-ic", settings.lambda_ic, "penalty of travel inside clusters [1/m]");
+    app.add("--cluster-max-radius", settings.cluster_max_radius,
+            "d_nu^max: up to which a viewpoint alone looks for company [m]");
+    app.add("--cluster-distance", settings.cluster_distance,
+            "what joins viewpoints: straight lines or roadmap paths")
+        .one_of({"straight", "path"});
+    app.add("--lambda-tc", settings.lambda_tc,
+            "penalty of travel between clusters [1/m] (all but surfleet, rate and tours)");
+    app.add("--lambda-ic", settings.lambda_ic,
+            "penalty of travel inside clusters [1/m] (all but surfleet, rate and tours)");
     app.add("--utility-share", settings.utility_share,
-            "1 - c_thres: share of a route's work whose completion asks for a new plan");
+            "1 - c_thres: share of a route's work whose completion asks for a new plan; surfleet "
+            "and nnb ask sooner unless this is given");
     app.add("--max-looks", settings.max_looks, "looks in vain before an element is given up");
   }
 
@@ -128,6 +166,10 @@ class InspectionOptions {
     keep("--lambda-tc", &InspectionSettings::lambda_tc);
     keep("--lambda-ic", &InspectionSettings::lambda_ic);
     keep("--utility-share", &InspectionSettings::utility_share);
+    s.utility_share_given = app_.was_given("--utility-share");
+    s.cluster_max_radius = app_.was_given("--cluster-max-radius")
+                               ? given.cluster_max_radius
+                               : std::max(given.cluster_max_radius, s.cluster_radius);
     require(noise_ == "on" || noise_ == "off", "--noise " + noise_ + ": expected on or off");
     s.noise = noise_ == "on";
     check(s);
@@ -152,7 +194,19 @@ class InspectionOptions {
     require(s.image_width >= 16 && s.image_width <= 4096, "--image-width: expected 16 to 4096");
     require(s.rate >= 0.2 && s.rate <= 100.0, "--rate: expected 0.2 to 100 images a second");
     positive(s.standoff, "--standoff");
-    positive(s.speed, "--speed");
+    positive(s.limits.speed, "--speed");
+    positive(s.limits.acceleration, "--acceleration");
+    positive(s.limits.yaw_rate, "--yaw-rate");
+    require(s.stereo.disparity_error >= 0.0 && std::isfinite(s.stereo.disparity_error),
+            "--disparity-error: expected 0 or more pixels");
+    positive(s.stereo.focal, "--focal");
+    positive(s.stereo.baseline, "--baseline");
+    if (s.truncation)
+      require(*s.truncation >= s.voxel && std::isfinite(*s.truncation),
+              "--truncation: expected a voxel or more");
+    positive(s.merge.distance, "--merge-distance");
+    require(s.cluster_max_radius >= s.cluster_radius && std::isfinite(s.cluster_max_radius),
+            "--cluster-max-radius: expected --cluster-radius or more");
     positive(s.radius, "--radius");
     positive(s.margin, "--margin");
     positive(s.unknown_margin, "--unknown-margin");

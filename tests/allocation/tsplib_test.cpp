@@ -93,6 +93,11 @@ TEST(tsplib_refuses_bad_files_in_one_line_with_its_number) {
       {"", "DIMENSION"},
       {"hello world", "file:1: \"hello\" is not a keyword"},
       {"DIMENSION: 0\n", "file:1: DIMENSION"},
+      {"DIMENSION: 2\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 1 0\nDIMENSION: 400\n",
+       "file:6: DIMENSION after the section"},
+      {"DIMENSION: 3\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: UPPER_ROW\n"
+       "EDGE_WEIGHT_SECTION\n1 2 3\nEDGE_WEIGHT_FORMAT: FULL_MATRIX\n",
+       "file:6: EDGE_WEIGHT_FORMAT after the section"},
       {"DIMENSION: -3\n", "DIMENSION"},
       {"NAME: x\nDIMENSION: 99999999999\n", "file:2: DIMENSION"},
       {"DIMENSION: 3x\n", "DIMENSION"},

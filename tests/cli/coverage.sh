@@ -18,4 +18,15 @@ awk -v s="$(value surface swept_fraction)" -v c="$(value surface final_cost)" \
 
 printf 'NAME: five\nTYPE: TSP\nDIMENSION: 5\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 0 3\n3 4 3\n4 4 0\n5 2 0\nEOF\n' >five.tsp
 "$bin/solve_tour" five.tsp >tour.txt
-grep -q 14 tour.txt
+grep -qE '^length +14$' tour.txt
+# A shorter open path, a longer tour, and never a bound on the wrong side.
+figure() { awk -v key="$1" '$1 == key { print $2 }' "$2"; }
+"$bin/solve_tour" five.tsp --open --start 2 --time-limit 0.1 >open.txt
+"$bin/solve_tour" five.tsp --maximize --time-limit 0.1 >most.txt
+printf 'NAME: ring\nTYPE: ATSP\nDIMENSION: 4\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: FULL_MATRIX\nEDGE_WEIGHT_SECTION\n0 1 9 9\n9 0 1 9\n9 9 0 1\n1 9 9 0\nEOF\n' >ring.atsp
+"$bin/solve_tour" ring.atsp --iterations 50 >ring.txt
+awk -v tour="$(figure length tour.txt)" -v bound="$(figure bound tour.txt)" \
+  -v path="$(figure length open.txt)" -v most="$(figure length most.txt)" \
+  -v most_bound="$(figure bound most.txt)" -v ring="$(figure length ring.txt)" \
+  'BEGIN { if (bound > tour || path >= tour || most <= tour || most_bound < most || ring != 4) exit 1 }'
+awk '$1 == "tour" { exit $2 != 2 }' open.txt

@@ -25,3 +25,17 @@ awk -v c="$(value surface_coverage)" -v h="$(value collisions)" -v k="$(value mi
 "$bin/evaluate_reconstruction" out1/reconstruction.ply out2/reconstruction.ply --emax 0.05 \
   --out judged >judged.txt
 [ -s judged/metrics.json ]
+
+# The map that was left holds that surface.
+"$bin/evaluate_reconstruction" out1/reconstruction.ply out1/map.sfm --emax 0.01 --out of_map >map.txt
+grep -q '"surface_coverage": 1.0' of_map/metrics.json
+
+# Anybody's mesh, with settings from a file.
+printf 'robots = 2\nmax-time = 15\nrange = [1.0, 6.0]\nplanner = "tsga"\n' >settings.toml
+status=0
+"$bin/drone_inspection" --scene out1/reconstruction.ply --preset statue --config settings.toml \
+  --start 6 6 2 --bounds -9 -9 1 9 9 8 --quiet --out mesh >mesh.txt || status=$?
+[ $status = 3 ] || { echo "exit status $status, expected 3"; exit 1; }
+grep -q '"planner": "tsga"' mesh/metrics.json
+grep -q '"preset": "statue"' mesh/metrics.json
+grep -q '"complete": false' mesh/metrics.json

@@ -51,10 +51,41 @@ refused drone_inspection --scene house --max-time -1 --out out
 refused drone_inspection --scene house --bounds 1 1 1 0 0 0 --out out
 refused drone_inspection --scene house --config missing.toml --out out
 refused drone_inspection --scene house --unknown-option --out out
+refused drone_inspection --scene house --seed -1 --out out
+refused drone_inspection --scene house --robots 1.5 --out out
+refused drone_inspection --scene house --ground 1 --out out
+refused drone_inspection --scene house --bounds 40 40 1.5 60 60 10 --start 50 50 5 --out out
+refused drone_inspection --scene house --architecture distributed --out out
+echo 'robotss = 7' >misspelt.toml
+printf '\x00\xff garbage [[[' >garbage.toml
+echo 'fov = [90, 200]' >wide.toml
+for file in misspelt.toml garbage.toml wide.toml; do
+  refused drone_inspection --scene house --config $file --out out
+done
+# A drawing in millimetres, or of a county.
+printf 'v 0 0 0\nv 20000 0 0\nv 20000 20000 0\nv 0 20000 10\nf 1 2 3\nf 1 3 4\n' >county.obj
+refused drone_inspection --scene county.obj --out out
 refused drone_inspection --scene house --out stderr.txt
 refused drone_inspection --scene house --out /proc/out
 refused drone_inspection_trials --scene house --planners magic --out out
 refused drone_inspection_trials --scene house --trials 0 --out out
+
+printf 'SFLTTSDF\001\000\000\000' >cut.sfm
+printf 'not a map' >garbage.sfm
+printf 'OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >triangle.off
+for file in cut.sfm garbage.sfm missing.sfm; do
+  refused evaluate_reconstruction triangle.off $file --out out
+done
+
+# What is refused leaves a folder that is there as it was.
+mkdir kept
+echo before >kept/metrics.json
+"$bin/drone_inspection" --scene missing.ply --out kept 2>/dev/null
+"$bin/drone_inspection" --scene house --robots 0 --out kept 2>/dev/null
+if [ "$(ls -A kept)" != metrics.json ] || [ "$(cat kept/metrics.json)" != before ]; then
+  echo "a refusal changed a folder: $(ls -A kept)"
+  failed=1
+fi
 
 printf 'NAME: x\nTYPE: TSP\nDIMENSION: 1000000000\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: FULL_MATRIX\nEDGE_WEIGHT_SECTION\n1\nEOF\n' >huge.tsp
 printf 'TYPE: TSP\nDIMENSION: 3\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 x 0\n3 0 1\nEOF\n' >letters.tsp

@@ -56,6 +56,34 @@ TEST(parallel_planes_at_known_offset) {
   CHECK(r.significant == core.size());
 }
 
+TEST(every_point_counts_once_wherever_the_cylinder_is_cut) {
+  // A core point of the reference itself lies where two slabs meet.
+  PointCloud reference, compared, core;
+  reference.points = {{0, 0, 0}, {0.01, 0, 0.03}};
+  compared.points = {{0, 0, 0.06}};
+  core.points = {{0, 0, 0}};
+  core.normals = {Eigen::Vector3f::UnitZ()};
+  for (int d = 5; d <= 60; d += 5)
+    for (int depth = 10; depth <= 200; depth += 5) {
+      const M3C2Result r = m3c2(core, reference, compared,
+                                {.projection_scale = d / 100.0, .max_depth = depth / 100.0});
+      CHECK_NEAR(r.distance[0], 0.045, 1e-12);
+    }
+}
+
+TEST(a_registration_error_widens_the_level_of_detection) {
+  const PointCloud a = noisy_plane(2000, 2.0, 0.0, 0.02, 1),
+                   b = noisy_plane(2000, 2.0, 0.1, 0.02, 2);
+  PointCloud core = noisy_plane(5, 1.0, 0.0, 0.0, 3);
+  core.normals.assign(core.size(), Eigen::Vector3f::UnitZ());
+  const M3C2Options exact{.projection_scale = 0.5, .max_depth = 0.5};
+  M3C2Options shifted = exact;
+  shifted.registration_error = 0.02;
+  const M3C2Result r = m3c2(core, a, b, exact), s = m3c2(core, a, b, shifted);
+  for (std::size_t i = 0; i < core.size(); ++i)
+    CHECK_NEAR(s.level_of_detection[i], r.level_of_detection[i] + 1.96 * 0.02, 1e-12);
+}
+
 TEST(level_of_detection_holds_in_95_of_100) {
   const PointCloud a = noisy_plane(30000, 10.0, 0.0, 0.03, 4);
   const PointCloud b = noisy_plane(30000, 10.0, 0.0, 0.03, 5);

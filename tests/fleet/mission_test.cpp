@@ -112,6 +112,43 @@ TEST(a_planner_without_plans_ends_the_mission_with_reasons) {
   CHECK(result.remaining > 0);
   CHECK(result.reasons.at(LeftReason::not_attempted) == result.remaining);
 }
+TEST(a_planner_that_answers_amiss_is_refused) {
+  World world;
+  const auto fly = [&](AnyPlanner planner) {
+    AnyMission mission(box_world::options(world), world, box_world::starts(2), std::move(planner));
+    mission.run();
+  };
+  CHECK_THROWS(Error, fly([](const PlanRequest&) { return PlanResult{}; }));
+  CHECK_THROWS(Error, fly(AnyPlanner()));
+  CHECK_THROWS(Error, fly(WithSpaceLooks([](const PlanRequest&) { return PlanResult{}; })));
+}
+/// A patch of one wall that no image shows.
+struct Glass : World {
+  DepthImage capture(std::size_t robot, std::uint64_t shot,
+                     std::span<const Configuration> fleet) const {
+    DepthImage image = World::capture(robot, shot, fleet);
+    const Pose T = fleet[robot].pose() * forward_camera_mount();
+    for (int v = 0; v < image.height; ++v)
+      for (int u = 0; u < image.width; ++u) {
+        const double depth = image(u, v);
+        if (!(depth > 0.0) || depth > camera.max_range) continue;
+        const Point3 p = T * (camera.ray(u, v) * depth);
+        if (std::abs(p.y()) < 0.5 && std::abs(p.z() - 1.0) < 0.4 && p.x() < 0.0) image(u, v) = 0.0F;
+      }
+    return image;
+  }
+};
+TEST(a_stop_that_may_not_last_as_long_as_it_should_is_a_look_in_vain) {
+  Glass world;
+  MissionOptions options = box_world::options(world);
+  options.image_period = 4.0;  // three images in the longest stay
+  options.max_time = 2000.0;
+  Mission<AnyPlanner, Glass> mission(options, world, box_world::starts(1),
+                                     TsgaPlanner(tour_options()));
+  const MissionResult result = mission.run();
+  CHECK(result.complete);
+  CHECK(result.reasons.count(LeftReason::not_attempted) == 0);
+}
 TEST(looks_at_space_widen_what_is_known_and_come_to_an_end) {
   World world;
   const MissionOptions o = box_world::options(world);
@@ -206,7 +243,7 @@ struct SecondThoughts {
   std::vector<double>* asked;
   PlanResult operator()(const PlanRequest& request) {
     PlanResult r;
-    r.turn_in_flight = turn_in_flight;
+    r.replan.turn_in_flight = turn_in_flight;
     r.routes.assign(request.robots.size(), Stops{});
     const std::array<Eigen::Vector3d, 2> aside{Eigen::Vector3d(0, -3, 0), then};
     if (asked->size() < aside.size())
@@ -303,7 +340,7 @@ struct AskedOnce {
         const PlanResult result = p(request);
         const bool toured = !result.routes[0] || result.routes[0]->empty();
         CHECK(toured == p.touring());
-        CHECK(result.utility_share == p.lone_utility_share);  // whichever was asked
+        CHECK(result.replan.utility_share == p.lone_utility_share);  // whichever was asked
         all = all && toured;
         any = any || toured;
       }
@@ -332,10 +369,11 @@ struct Counting {
   bool tours = false, finds = true;
   std::size_t asked = 0, work = 0;
   bool touring() const { return tours; }
+  ReplanRule rule(const PlanRequest&) const { return {.utility_share = 0.25}; }
   PlanResult operator()(const PlanRequest& request) {
     PlanResult result;
     result.routes.resize(request.robots.size());
-    result.utility_share = 0.25;
+    result.replan = rule(request);
     asked = 0;
     work = request.work.size();
     for (std::size_t r = 0; r < request.robots.size(); ++r)
@@ -375,13 +413,13 @@ struct AskedForFive {
     CHECK(p.behind.asked == 1 && p.behind.work == 3);
     CHECK(p.front.asked == 4 && p.front.work == 10);
     for (const auto& route : result.routes) CHECK(route && route->size() == 1);
-    CHECK(result.utility_share == 0.25);
+    CHECK(result.replan.utility_share == 0.25);
     ask(p, 4, 6);
     CHECK(p.crew() == Crew{0});
     result = ask(p, 5, 5, false);  // nobody waits, but a second one is wanted there
     CHECK((p.crew() == Crew{0, 1}));
     CHECK(!result.routes[0] && result.routes[1] && !result.routes[2]);
-    CHECK(result.utility_share == 0.25);
+    CHECK(result.replan.utility_share == 0.25);
     ask(p, 10, 0);
     ask(p, 10, 0);
     CHECK((p.crew() == Crew{0, 1, 2}));  // at most three of five

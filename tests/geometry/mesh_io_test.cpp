@@ -129,6 +129,8 @@ TEST(stl_variants_are_welded) {
   CHECK(refuses("", ".stl") && refuses("hello", ".stl"));
   const std::string cut = kTextStl;
   CHECK(refuses(cut.substr(0, cut.find("endloop")), ".stl"));
+  CHECK(refuses(cut.substr(0, cut.find("endsolid")), ".stl"));
+  CHECK(refuses(cut.substr(0, cut.find("endfacet") + 20), ".stl"));
 }
 
 TEST(off_variants) {

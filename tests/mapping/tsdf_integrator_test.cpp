@@ -298,6 +298,34 @@ TEST(any_weight_and_any_scan_will_do) {
   }
 }
 
+// The faces of the cube around a scanner meet on its diagonals, where voxels lie as often as not.
+TEST(every_voxel_before_a_scan_is_observed_once) {
+  constexpr int kPoints = 30000;
+  constexpr double kRadius = 3.0;
+  std::vector<Point3> sphere;  // Fibonacci's
+  for (int i = 0; i < kPoints; ++i) {
+    const double z = 1.0 - 2.0 * (i + 0.5) / kPoints, r = std::sqrt(1.0 - z * z);
+    const double angle = i * kPi * (3.0 - std::sqrt(5.0));
+    sphere.push_back(kRadius * Point3(r * std::cos(angle), r * std::sin(angle), z));
+  }
+  for (const double shift : {0.0, 0.05, 0.031}) {
+    TsdfMap map({.voxel_size = 0.1});
+    TsdfIntegrator<ConstantWeight> integrate{{.truncation = 0.3}};
+    Pose T = Pose::Identity();
+    T.translation().setConstant(shift);
+    integrate(std::span<const Point3>(sphere), 0.1, 10.0, T, map);
+    const int n = static_cast<int>((kRadius - 0.5) / 0.1);
+    int wrong = 0;
+    for_each_index(VoxelIndex::Constant(-n), VoxelIndex::Constant(n), [&](const VoxelIndex& v) {
+      const double r = (map.center(v) - T.translation()).norm();
+      if (r < 0.3 || r > kRadius - 0.6) return;
+      const TsdfVoxel* voxel = map.find(v);
+      wrong += voxel == nullptr || voxel->weight != 1.0F ? 1 : 0;
+    });
+    CHECK(wrong == 0);
+  }
+}
+
 TEST(bad_settings_are_refused_before_the_map_is_touched) {
   CHECK_THROWS(Error, TsdfIntegrator<>{{.truncation = 0.0}});
   CHECK_THROWS(Error, TsdfIntegrator<>{{.truncation = std::nan("")}});

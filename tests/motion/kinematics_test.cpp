@@ -191,3 +191,25 @@ TEST(degenerate_paths) {
   for (int i = 0; i < 50; ++i) ground.advance(0.1);
   CHECK(ground.finished());
 }
+
+/// Sent elsewhere on its way and stopped at once, a robot goes on to where it was sent last.
+template <typename Motion>
+void ends_where_it_was_sent_last() {
+  Motion robot;
+  robot.follow(std::vector<Point3>{{0, 0, 0}, {10, 0, 0}}, 0.0);
+  for (int i = 0; i < 40; ++i) robot.advance(0.1);
+  const Point3 at = robot.configuration().position, goal(at.x(), 5.0, 0.0);
+  robot.follow(std::vector<Point3>{at, goal}, 0.0);
+  robot.stop();
+  for (int i = 0; i < 30; ++i) robot.advance(0.1);
+  CHECK(robot.standing() && !robot.finished());
+  CHECK((robot.configuration().position - at).norm() < 1.0);
+  robot.resume();
+  for (int i = 0; i < 600; ++i) robot.advance(0.1);
+  CHECK(robot.finished());
+  CHECK((robot.configuration().position - goal).norm() < 1e-6);
+}
+TEST(a_stop_forgets_no_goal) {
+  ends_where_it_was_sent_last<AerialMotion>();
+  ends_where_it_was_sent_last<UnicycleMotion>();
+}

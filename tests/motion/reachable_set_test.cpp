@@ -95,3 +95,30 @@ TEST(positions_join_the_lattice) {
   }
   CHECK(free > 100 && anchored == free);
 }
+
+TEST(the_first_change_of_the_space_is_followed) {
+  TsdfMap tsdf({.voxel_size = 0.2});
+  const auto put = [&](const VoxelIndex& v, float distance) {
+    const std::uint32_t slot = tsdf.ensure_slot(TsdfMap::block_of(v));
+    tsdf.block(slot).voxels[TsdfMap::offset_of(v)] = {distance, 1.0F};
+    tsdf.mark_changed(slot);
+  };
+  put({0, 0, 0}, -0.1F);  // an obstacle in the unknown: no room anywhere yet
+  VoxelStateMap states(tsdf, {.known_weight = 0.3});
+  FreeSpace space(states, {.radius = 0.2, .margin = 0.5, .unknown_margin = 0.2});
+  ReachableSet kept(space);
+  for_each_index(VoxelIndex(8, 0, 0), VoxelIndex(15, 7, 7),
+                 [&](const VoxelIndex& v) { put(v, 0.5F); });
+  for_each_index(VoxelIndex(1, 1, 1), VoxelIndex(7, 7, 7),
+                 [&](const VoxelIndex& v) { put(v, 0.5F); });
+  states.update(tsdf);
+  space.update();
+  kept.update();
+  const ReachableSet fresh(space);
+  int free = 0;
+  for_each_index(VoxelIndex::Zero(), VoxelIndex(15, 7, 7), [&](const VoxelIndex& v) {
+    free += space.is_free_voxel(v) ? 1 : 0;
+    CHECK(kept.component(v).has_value() == fresh.component(v).has_value());
+  });
+  CHECK(free > 0);
+}

@@ -139,6 +139,10 @@ class TsplibParser {
   }
   void set(const std::string& key, const std::string& v) {
     const std::string first = v.substr(0, v.find_first_of(" \t("));
+    // What says how many numbers a section has must not change once it has been read.
+    if ((key == "DIMENSION" || key == "EDGE_WEIGHT_FORMAT") &&
+        (has_weights_ || !coordinates_.empty()))
+      fail(key + " after the section that it is for; expected it before");
     if (key == "NAME") {
       name_ = v;
     } else if (key == "COMMENT") {

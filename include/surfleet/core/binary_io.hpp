@@ -88,16 +88,6 @@ class ByteReader {
     at_ += n;
     return view;
   }
-  /// `count` values; the count is checked against what remains before anything is allocated.
-  template <typename T>
-  std::vector<T> get_array(std::uint64_t count) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    if (count > remaining() / sizeof(T)) need(remaining() + 1);
-    std::vector<T> values(static_cast<std::size_t>(count));
-    if (count > 0) std::memcpy(values.data(), bytes_.data() + at_, values.size() * sizeof(T));
-    at_ += values.size() * sizeof(T);
-    return values;
-  }
 
  private:
   void need(std::size_t n) const {
@@ -113,7 +103,8 @@ class ByteReader {
 /// The whole file; throws `Error` if it cannot be read.
 inline Bytes read_file(const std::filesystem::path& path) {
   std::error_code ec;
-  if (!std::filesystem::exists(path, ec)) throw Error(path.string() + ": no such file");
+  if (!std::filesystem::exists(path, ec))
+    throw Error(path.string() + ": no such file; expected a file that can be read");
   if (!std::filesystem::is_regular_file(path, ec))
     throw Error(path.string() + ": not a regular file");
   std::ifstream in(path, std::ios::binary | std::ios::ate);

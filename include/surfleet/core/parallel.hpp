@@ -10,6 +10,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -25,18 +26,26 @@ class WorkerPool {
 
   /// Runs `job` on the caller and on up to `helpers` threads at once and waits for all of them.
   /// Helpers that have not begun when the caller is done are not waited for.
-  /// False if the pool is busy, which a nested call finds: the caller then works alone.
+  /// False if the pool is busy, which a nested call finds: the caller then works alone. With fewer
+  /// helpers than asked for where the system gives no more threads.
   bool run(int helpers, const std::function<void()>& job) {
+    if (inside_) return false;
     std::unique_lock<std::mutex> owner(owner_, std::try_to_lock);
     if (!owner.owns_lock()) return false;
     {
       std::lock_guard<std::mutex> lock(mutex_);
-      while (static_cast<int>(threads_.size()) < helpers) threads_.emplace_back([this] { work(); });
+      try {
+        while (static_cast<int>(threads_.size()) < helpers)
+          threads_.emplace_back([this] { work(); });
+      } catch (const std::system_error&) {
+      }
       job_ = &job;
-      wanted_ = helpers;
+      wanted_ = std::min(helpers, static_cast<int>(threads_.size()));
     }
     wake_.notify_all();
+    inside_ = true;
     job();
+    inside_ = false;
     {
       std::lock_guard<std::mutex> lock(mutex_);
       wanted_ = 0;
@@ -61,6 +70,7 @@ class WorkerPool {
     for (std::thread& t : threads_) t.join();
   }
   void work() {
+    inside_ = true;
     for (;;) {
       soon([this] { return wanted_ > 0; });
       std::unique_lock<std::mutex> lock(mutex_);
@@ -88,6 +98,7 @@ class WorkerPool {
     return false;
   }
   static constexpr std::chrono::microseconds kPatience{200};
+  static inline thread_local bool inside_ = false;  ///< This thread runs a job.
 
   std::mutex owner_, mutex_;
   std::condition_variable wake_, done_;
@@ -105,7 +116,8 @@ class WorkerPool {
 /// Nested calls run on the calling thread.
 template <typename Body>
 void parallel_for(std::size_t n, int threads, Body&& body, std::size_t grain = 1) {
-  const std::size_t chunks = (n + grain - 1) / std::max<std::size_t>(grain, 1);
+  grain = std::max<std::size_t>(grain, 1);
+  const std::size_t chunks = (n + grain - 1) / grain;
   const int helpers =
       static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)),
                                              std::max<std::size_t>(chunks, 1))) -

@@ -126,12 +126,13 @@ inline CylinderStatistics cylinder_statistics(const KdTree& tree, std::span<cons
   const double slab = 2.0 * half_length / slabs;
   const double ball = std::hypot(radius, 0.5 * slab) * (1.0 + 1e-9);
   for (int k = 0; k < slabs; ++k) {
-    const double from = -half_length + k * slab, to = from + slab;
-    tree.for_each_within(origin + (from + 0.5 * slab) * axis, ball, [&](const Neighbor& hit) {
+    const double middle = (k + 0.5) * slab - half_length;
+    tree.for_each_within(origin + middle * axis, ball, [&](const Neighbor& hit) {
       const Eigen::Vector3d v = cloud[static_cast<std::size_t>(hit.index)] - origin;
       const double s = v.dot(axis);
-      const bool inside = s >= from && (s < to || (k + 1 == slabs && s <= half_length));
-      if (inside && v.squaredNorm() - s * s <= radius * radius) scratch.push_back(s);
+      const double place = std::floor((s + half_length) / slab);
+      const bool here = std::clamp(place, 0.0, slabs - 1.0) == k && std::abs(s) <= half_length;
+      if (here && v.squaredNorm() - s * s <= radius * radius) scratch.push_back(s);
     });
   }
   CylinderStatistics result;
@@ -156,7 +157,7 @@ inline CylinderStatistics cylinder_statistics(const KdTree& tree, std::span<cons
 ///
 /// A cylinder stands on the core point along its normal; the points of either cloud in it are
 /// projected on its axis, and the distance is that of their means (or medians). The level of
-/// detection is ±1.96 √(σ₁²/n₁ + σ₂²/n₂) + reg. Normals are those of `core` if it has them and
+/// detection is ±1.96 (√(σ₁²/n₁ + σ₂²/n₂) + reg). Normals are those of `core` if it has them and
 /// otherwise estimated from `reference` at the normal scale. Throws `Error` on scales that are
 /// not positive. The same for any number of threads.
 /// O(core × (log n + points in the cylinder)).
@@ -209,8 +210,8 @@ inline M3C2Result m3c2(const PointCloud& core, const PointCloud& reference,
     const detail::CylinderStatistics a = cylinder();
     result.distance[i] = a.count == 0 ? kNone : result.distance[i] - a.position;
     result.level_of_detection[i] =
-        1.96 * std::sqrt(variance_of_mean(a) + result.level_of_detection[i]) +
-        options.registration_error;
+        1.96 * (std::sqrt(variance_of_mean(a) + result.level_of_detection[i]) +
+                options.registration_error);
   });
   result.statistics = distance_statistics(result.distance);
   for (std::size_t i = 0; i < core.size(); ++i)

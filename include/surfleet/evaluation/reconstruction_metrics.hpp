@@ -54,9 +54,14 @@ struct EvaluationOptions {
   double depth() const { return max_depth > 0.0 ? max_depth : 2.0 * e_max; }
 };
 
-/// The figures, SI units. What cannot be measured (an empty reconstruction) is NaN, coverage 0.
+/// The figures, SI units. What cannot be measured (an empty reconstruction) is NaN, coverage 0;
+/// completeness then is `max_distance`, where that is set.
 struct ReconstructionMetrics {
-  double surface_coverage = 0.0;  ///< Share of the reference within e_max of the reconstruction.
+  /// Share of the reference within e_max of the nearest point of the reconstruction.
+  double surface_coverage = 0.0;
+  /// The same by M3C2, as the seeds count it [000 §2.6.2]: the share whose distance along the
+  /// normal is measured and at most e_max.
+  double m3c2_coverage = 0.0;
   /// M3C2 over what is covered: |distance| ≤ e_max, as the seeds prune outliers.
   double m3c2_mean_m = 0.0, m3c2_std_m = 0.0, rmse_m = 0.0;
   /// M3C2 over every core point whose cylinder met both surfaces.
@@ -155,6 +160,8 @@ inline ReconstructionEvaluation evaluate(const PointCloud& reference_points,
                  .threads = options.threads});
   const DistanceStatistics pruned = distance_statistics(e.m3c2.distance, options.e_max);
   m.m3c2_points = pruned.count;
+  m.m3c2_coverage =
+      static_cast<double>(pruned.count) / static_cast<double>(reference_points.size());
   m.m3c2_mean_m = pruned.mean;
   m.m3c2_std_m = pruned.deviation;
   m.rmse_m = pruned.rmse;

@@ -111,7 +111,9 @@ class CoverageTourPlanner {
     reachable_.assign(surface_.points.size(), 0);
     sites_ = {start_.position};
     FlightLattice<FreeSpace> lattice(space_, space_.options().bounds, options_.spacing);
+    const LazyPrmStar::Reach reach = roadmap_.reach_from(start_.position);
     lattice.search(start_.position, [&](const auto& site) {
+      if (!reach(site.position)) return true;
       const std::vector<Sighting> seen = targets_.seen_from(site.position);
       for (const Sighting& s : seen) reachable_[static_cast<std::size_t>(s.target)] = 1;
       for (int k = 0; k < kHeadings && !seen.empty(); ++k) {

@@ -2,7 +2,7 @@
 /// @file  A fleet reconstructs what it does not know: the loop from depth image to motion and back,
 ///        on one map for all robots [000 ch. 2, 3].
 ///
-///     Mission<SurfleetPlanner, DroneWorld> mission(options, world, starts);
+///     Mission<TsgaPlanner, DroneWorld<EmbreeRayCaster>> mission(options, world, starts);
 ///     const MissionResult result = mission.run();
 ///     write_ply(extract_mesh(mission.map()), "reconstruction.ply");
 #pragma once
@@ -20,6 +20,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -120,7 +121,7 @@ class Mission {
   /// Called about once a simulated second; false ends the mission.
   std::function<bool(const MissionProgress&)> on_progress;
 
-  /// Throws `Error` on options out of range, no robots, or starts outside the bounds.
+  /// Throws `Error` on options out of range, no robots, no planner, or starts outside the bounds.
   Mission(MissionOptions options, World& world, std::span<const Configuration> starts,
           Planner p = {})
       : planner(std::move(p)),
@@ -142,6 +143,8 @@ class Mission {
         headings_(options_.camera, options_.T_body_camera),
         frustum_(options_.camera, options_.T_body_camera),
         ledger_(options_.looks) {
+    if constexpr (std::is_same_v<Planner, AnyPlanner>)
+      require(planner != nullptr, "planner: expected one, not an empty function");
     for (const Configuration& start : starts) {
       free_.add_known_free({start.position, options_.start_clearance});
       agents_.emplace_back(AerialMotion(start, options_.limits), TrafficPolicy(traffic_options()));
@@ -177,7 +180,8 @@ class Mission {
       if (time_ >= next_report) {
         next_report += 1.0;
         const MissionProgress progress = current();
-        if (step_ % 40 == 0 || result_.history.empty()) result_.history.push_back(progress);
+        if (result_.history.empty() || time_ >= result_.history.back().time + 10.0)
+          result_.history.push_back(progress);
         if (on_progress && !on_progress(progress)) break;
       }
     }
@@ -195,8 +199,7 @@ class Mission {
     Phase phase = Phase::scanning;
     Stops route;                   ///< What is left to do; the first stop is under way.
     std::size_t initial_work = 0;  ///< Elements the route was made for, for the utility check.
-    double utility_share = 1.0;    ///< Of these, complete when a new plan is due.
-    bool turn_in_flight = false;   ///< To the next stop, without braking first.
+    ReplanRule replan;             ///< Of the plan that the route is from.
     int quarters = 0;              ///< Of the first look around.
     double idle_until = 0.0;       ///< No new request before [s].
     double pause = kIdle;          ///< Until the next request if this one gives nothing [s].
@@ -285,6 +288,11 @@ class Mission {
       for (const VoxelIndex& v : s.targets) n += incomplete_.contains(v) ? 1 : 0;
     return n;
   }
+  /// Images that a stop may take at the most.
+  std::size_t most_looks() const {
+    return static_cast<std::size_t>(
+        std::max(1.0, std::ceil(options_.max_dwell / options_.image_period)));
+  }
   /// Images from here that make a voxel at distance z known: W_th z², as the weights are 1/z².
   std::size_t looks_needed(const Configuration& q, const VoxelIndex& v) const {
     const double z2 = (known_.grid().center(v) - q.position).squaredNorm();
@@ -304,9 +312,7 @@ class Mission {
           needed = std::max(needed, looks_needed(fleet_[r], v));
         }
         if (a.route.front().targets.empty()) done = a.images >= 2;
-        const double limit =
-            std::min(options_.max_dwell / options_.image_period, static_cast<double>(needed));
-        if (done || static_cast<double>(a.images) >= limit) leave_stop(r);
+        if (done || a.images >= std::min(needed, most_looks())) leave_stop(r);
       }
       if (a.phase != Phase::flying && a.phase != Phase::aside) continue;
       if (a.phase == Phase::flying && is_pointless(a.route.front())) {
@@ -333,7 +339,7 @@ class Mission {
     LineOfSight line(observed_);
     const Stop& stop = a.route.front();
     for (const IncompleteElement& e : work()) {
-      if (a.images < looks_needed(fleet_[r], e.voxel)) continue;
+      if (a.images < std::min(looks_needed(fleet_[r], e.voxel), most_looks())) continue;
       const Eigen::Vector3d to_eye = (eye - e.position).normalized();
       const bool fair = e.faces(to_eye, kFairLook) && reveals(view, e, line);
       if (fair ||
@@ -348,7 +354,7 @@ class Mission {
   }
   /// As `halt`, but who may turn in flight goes on until `plan` has asked where to.
   void leave_goal(Agent& a) {
-    if (!a.turn_in_flight || a.held || a.phase != Phase::flying) return halt(a);
+    if (!a.replan.turn_in_flight || a.held || a.phase != Phase::flying) return halt(a);
     a.phase = Phase::waiting;
   }
   // -- planning ----------------------------------------------------------------------------------
@@ -370,9 +376,11 @@ class Mission {
       }
     }
   }
-  /// UtilityCheck: so much of what the route was made for is complete that a new one is due.
+  /// UtilityCheck: so much of what the route was made for is complete, or left behind, that a new
+  /// one is due.
   bool is_spent(const Agent& a) const {
-    return a.initial_work > 0 && UtilityCheck{a.utility_share}(a.initial_work, open_work(a.route));
+    return a.initial_work > 0 && UtilityCheck{a.replan.utility_share.value_or(
+                                     options_.utility_share)}(a.initial_work, open_work(a.route));
   }
 
   void request_plan() {
@@ -398,7 +406,7 @@ class Mission {
                               .round = result_.plans};
     if (at_rest()) ++vain_plans_;
     const auto before = std::chrono::steady_clock::now();
-    PlanResult result = planner(request);
+    PlanResult result = ask(planner, request);
     result_.planning_time +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     ++result_.plans;
@@ -418,8 +426,7 @@ class Mission {
                               a.route.front().configuration.yaw)) < 1e-6;
       a.route = std::move(route);
       a.initial_work = open_work(a.route);
-      a.utility_share = result.utility_share.value_or(options_.utility_share);
-      a.turn_in_flight = result.turn_in_flight;
+      a.replan = result.replan;
       if (!same) leave_goal(a);
       if (a.route.empty())
         rest(a);

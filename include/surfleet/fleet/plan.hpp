@@ -7,9 +7,11 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include <surfleet/core/error.hpp>
 #include <surfleet/fleet/left_reason.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/sight_targets.hpp>
@@ -58,25 +60,41 @@ struct PlanRequest {
   double relative_height() const { return region.sizes().z() / camera.max_range; }
 };
 
+/// When the next plan is wanted, and how robots come to follow it.
+struct ReplanRule {
+  /// When this share of what a route was made for is complete; if not said, the mission's own share
+  /// decides.
+  std::optional<double> utility_share;
+  /// Whether robots under way turn to their next stop without braking first, if it lies ahead.
+  bool turn_in_flight = false;
+};
+
 /// New routes and the elements for which the planner found none.
 struct PlanResult {
   /// One a robot: nothing keeps the route it has, an empty route takes it away.
   std::vector<std::optional<Stops>> routes;
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible;
-  /// The next plan is wanted when this share of what a route was made for is complete; if not
-  /// said, the mission's own share decides.
-  std::optional<double> utility_share = std::nullopt;
-  /// Whether robots under way turn to their next stop without braking first, if it lies ahead.
-  bool turn_in_flight = false;
+  ReplanRule replan{};
 };
 
-/// A high-level planner: turns the state of the map into routes. It may keep state between calls.
-/// Models: `TourPlanner` (TSGA, NNB and their kin), `RatePlanner`, `RateThenTours`, `ToursBehind`,
-/// `WithSpaceLooks`.
+/// A high-level planner: turns the state of the map into routes. It may keep state between calls,
+/// of that map, so a planner is for one mission. Models: `TourPlanner` (TSGA, NNB and their kin),
+/// `RatePlanner`, `RateThenTours`, `ToursBehind`, `WithSpaceLooks`.
 template <typename P>
 concept FleetPlanner = requires(P& planner, const PlanRequest& request) {
   { planner(request) } -> std::same_as<PlanResult>;
 };
+
+/// The planner's answer. Throws `Error` if that is not of as many routes as there are robots.
+template <FleetPlanner P>
+PlanResult ask(P& planner, const PlanRequest& request) {
+  PlanResult result = planner(request);
+  require(result.routes.size() == request.robots.size(),
+          "planner: gave " + std::to_string(result.routes.size()) + " routes to " +
+              std::to_string(request.robots.size()) +
+              " robots; expected one for each, nothing to keep the route it has");
+  return result;
+}
 
 /// Any copyable planner behind one type, so that what takes a planner is compiled once.
 using AnyPlanner = std::function<PlanResult(const PlanRequest&)>;

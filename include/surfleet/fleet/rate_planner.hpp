@@ -94,7 +94,7 @@ class RatePlanner {
     broadest_ = 0.0;
 
     PlanResult result;
-    result.turn_in_flight = true;
+    result.replan.turn_in_flight = true;
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> waiting;
     // Where those who wait will go is not settled before it is their turn.
@@ -144,9 +144,15 @@ class RatePlanner {
       waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(who));
     }
     for (const std::size_t r : waiting) result.routes[r] = Stops{};
-    for (const IncompleteElement& e : request.work)
+    // With everybody waiting and nothing found, what is left is in view from nowhere on the
+    // lattice.
+    const bool nowhere = last_rate_ <= 0.0 && waiting.size() == request.robots.size();
+    for (const IncompleteElement& e : request.work) {
       if (!request.ledger.fresh(e.voxel))
         result.impossible.emplace_back(e.voxel, LeftReason::seen_incomplete);
+      else if (nowhere)
+        result.impossible.emplace_back(e.voxel, LeftReason::no_free_pose);
+    }
     return result;
   }
 

@@ -36,7 +36,7 @@ class RateThenTours {
   /// range: those who are there will have seen it by then.
   double far = 2.4;
   int memory = 4;  ///< Requests a robot that the recent rate is averaged over.
-  /// When a new plan is wanted, as in `PlanResult`: in a team what one was sent for others see on
+  /// When a new plan is wanted, whichever is asked: in a team what one was sent for others see on
   /// their way, besides.
   double team_utility_share = 0.1, lone_utility_share = 0.2;
 
@@ -45,21 +45,24 @@ class RateThenTours {
 
   PlanResult operator()(const PlanRequest& request) {
     PlanResult result = choose(request);
-    result.utility_share = request.is_team() ? team_utility_share : lone_utility_share;
-    result.turn_in_flight = true;
+    result.replan = rule(request);
     return result;
+  }
+  ReplanRule rule(const PlanRequest& request) const {
+    return {.utility_share = request.is_team() ? team_utility_share : lone_utility_share,
+            .turn_in_flight = true};
   }
   /// Whether the second planner is at work.
   bool touring() const { return touring_; }
 
  private:
   PlanResult choose(const PlanRequest& request) {
-    PlanResult result = first(request);
+    PlanResult result = ask(first, request);
     const double rate = first.last_rate(), look = first.broadest_look();
     broadest_ = std::max(broadest_, look);
     const bool is_broad = look >= broad * broadest_ && rate > 0.0;
     if (touring_) {
-      if (!is_broad) return then(request);
+      if (!is_broad) return ask(then, request);
       touring_ = false;
       toured_ = true;
       recent_ = mean_;
@@ -72,7 +75,7 @@ class RateThenTours {
                                       [](const RobotRequest& r) { return r.idle; });
     const double share = request.is_team() ? team_share : lone_share;
     touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
-    return touring_ ? then(request) : without_far_goals(request, std::move(result));
+    return touring_ ? ask(then, request) : without_far_goals(request, std::move(result));
   }
   /// In a team that has toured, gives those whose goal is far the tours they would be on.
   PlanResult without_far_goals(const PlanRequest& request, PlanResult result) {
@@ -86,7 +89,7 @@ class RateThenTours {
         robots.push_back(r);
     }
     if (robots.empty()) return result;
-    PlanResult tours = then(request);
+    PlanResult tours = ask(then, request);
     for (const std::size_t r : robots)
       if (tours.routes[r] && !tours.routes[r]->empty())
         result.routes[r] = std::move(tours.routes[r]);

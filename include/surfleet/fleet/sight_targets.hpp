@@ -44,7 +44,8 @@ struct Sighting {
 };
 
 /// The headings at which a mounted camera has a direction in its image, looked up in an octahedral
-/// map of directions with cells of about a degree. 32 KiB.
+/// map of directions with cells of about a degree. The camera is taken to sit where the body is:
+/// how far from its middle it is mounted is neglected. 32 KiB.
 class HeadingTable {
   static constexpr int kSide = 128;
 

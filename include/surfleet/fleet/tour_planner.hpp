@@ -94,6 +94,9 @@ struct TourPlannerOptions {
   double distance = 4.7;  ///< δ_pose [m].
   /// d_ν and d_ν^max; without a bound on its extent one chain of views could go round it all.
   ClusterOptions clusters{.max_extent = 10.0};
+  /// Whether viewpoints are joined by the length of the roadmap's path between them, in place of
+  /// the straight one: what a wall parts is then no cluster. Some tens of queries a viewpoint.
+  bool by_path = false;
   /// Where a team has fewer clusters than this for each robot, they are made finer, as far as there
   /// are views: a single one cannot be shared. The published method has no such bound.
   std::size_t least_clusters = 0;
@@ -107,7 +110,7 @@ struct TourPlannerOptions {
   /// Whether each robot's stops are put in order once more without regard to their clusters, for
   /// the cheapest way through all of them.
   bool reorder_stops = false;
-  std::optional<double> utility_share = std::nullopt;  ///< As in `PlanResult`.
+  ReplanRule replan{};
 };
 
 /// Viewpoints at the incomplete surface, made fewer, clustered, valued by ray casting, allocated to
@@ -130,7 +133,7 @@ class TourPlanner {
 
   PlanResult operator()(const PlanRequest& request) {
     PlanResult result;
-    result.utility_share = options.utility_share;
+    result.replan = options.replan;
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> serve;
     std::vector<Configuration> starts;
@@ -175,7 +178,8 @@ class TourPlanner {
 
     // Clusters and what they are worth.
     const ViewAccess access(reach, views);
-    std::vector<ViewpointCluster> clusters = share_out(access, views, serve.size());
+    std::vector<ViewpointCluster> clusters =
+        share_out(access, views, request.roadmap, serve.size());
     const IncompleteSurfaceGain gain(elements, request.observed, frustum);
     const auto seen =
         seen_(views, elements, frustum, [&](const Configuration& q) { return gain.seen(q); });
@@ -220,13 +224,15 @@ class TourPlanner {
 
   /// Clusters, at half the radii time after time until there are enough for so many robots.
   std::vector<ViewpointCluster> share_out(const ViewAccess& access,
-                                          std::span<const Viewpoint> views,
+                                          std::span<const Viewpoint> views, LazyPrmStar& roadmap,
                                           std::size_t robots) const {
     const std::size_t wanted =
         robots > 1 ? std::min(options.least_clusters * robots, views.size()) : 0;
     ClusterOptions finer = options.clusters;
     for (int halvings = 0;; ++halvings) {
-      std::vector<ViewpointCluster> clusters = access.clusters(views, finer);
+      std::vector<ViewpointCluster> clusters =
+          options.by_path ? access.clusters(views, roadmap, finer)
+                          : access.clusters(views, EuclideanDistance{}, finer);
       if (clusters.size() >= wanted || halvings == kHalvings) return clusters;
       for (double* length : {&finer.radius, &finer.max_radius, &finer.max_extent}) *length *= 0.5;
     }

@@ -6,17 +6,18 @@
 #include <concepts>
 #include <cstddef>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include <surfleet/fleet/plan.hpp>
 
 namespace surfleet {
-/// A planner that advances first and says when it has come to touring what is left.
+/// A planner that advances first and says when it has come to touring what is left, and by which
+/// rule it is to be asked again.
 template <typename P>
-concept AdvancingPlanner = FleetPlanner<P> && requires(const P& planner) {
+concept AdvancingPlanner = FleetPlanner<P> && requires(const P& planner, const PlanRequest& r) {
   { planner.touring() } -> std::convertible_to<bool>;
+  { planner.rule(r) } -> std::same_as<ReplanRule>;
 };
 
 struct ToursBehindOptions {
@@ -35,7 +36,9 @@ struct ToursBehindOptions {
 /// n once more than k/n of the elements are `apart` from every robot that stays. Those are given to
 /// `behind`, asked for these elements and robots alone; who finds nothing to do there any more is
 /// the front's again. When `front` tours, all are. Where the region is not high, robots come back
-/// to what they left at little cost, and nobody is taken from the front.
+/// to what they left at little cost, and nobody is taken from the front. The elements that `behind`
+/// is asked for come and go as robots fly, so it may remember nothing of which there are: a
+/// `TourPlanner` must be asynchronous and exclusive.
 template <AdvancingPlanner Front, FleetPlanner Behind>
 class ToursBehind {
  public:
@@ -58,15 +61,13 @@ class ToursBehind {
     if (std::none_of(robots.begin(), robots.end(), waits)) return tours;
     PlanRequest ahead = request;
     ahead.robots = robots;
-    PlanResult result = front(ahead);
+    PlanResult result = ask(front, ahead);
     if (front.touring()) {
       crew_.clear();
       return result;
     }
     for (const std::size_t r : crew_)
       if (tours.routes[r]) result.routes[r] = std::move(tours.routes[r]);
-    last_share_ = result.utility_share;
-    last_turn_ = result.turn_in_flight;
     return result;
   }
   /// The robots that tour behind the front, in the order they were taken.
@@ -75,7 +76,7 @@ class ToursBehind {
  private:
   PlanResult everyone(const PlanRequest& request) {
     crew_.clear();
-    return front(request);
+    return ask(front, request);
   }
   bool tours_behind(std::size_t robot) const {
     return std::find(crew_.begin(), crew_.end(), robot) != crew_.end();
@@ -126,15 +127,15 @@ class ToursBehind {
                   std::vector<RobotRequest>& robots) {
     PlanResult result;
     result.routes.resize(robots.size());
-    result.utility_share = last_share_;
-    result.turn_in_flight = last_turn_;
+    result.replan = front.rule(request);
     std::vector<RobotRequest> crew;
     for (const std::size_t r : crew_) crew.push_back(robots[r]);
     if (std::any_of(crew.begin(), crew.end(), [](const RobotRequest& r) { return r.idle; })) {
       PlanRequest rear = request;
       rear.work = left;
       rear.robots = crew;
-      PlanResult tours = behind(rear);
+      PlanResult tours = ask(behind, rear);
+      result.impossible = std::move(tours.impossible);
       std::vector<std::size_t> stay;
       for (std::size_t k = 0; k < crew.size(); ++k) {
         if (tours.routes[k] && tours.routes[k]->empty()) {
@@ -155,7 +156,5 @@ class ToursBehind {
 
   std::vector<std::size_t> crew_;
   std::size_t in_vain_ = 0;  // elements behind when one of the crew was last left without a route
-  std::optional<double> last_share_;
-  bool last_turn_ = false;
 };
 }  // namespace surfleet

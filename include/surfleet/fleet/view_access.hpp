@@ -34,7 +34,7 @@ struct StopDistance {
     return stop + std::max(length, turn * std::abs(wrap_angle(a.yaw - b.yaw)));
   }
 };
-static_assert(PathDistance<StopDistance>);
+static_assert(PathDistance<StopDistance> && PathDistance<LazyPrmStar>);
 
 /// Viewpoints by the robots that can reach them: mostly one group, as free space is mostly one.
 class ViewAccess {
@@ -55,9 +55,10 @@ class ViewAccess {
     return groups_[static_cast<std::size_t>(group_of_[view])][robot];
   }
   /// As `cluster_viewpoints`, with clusters that a robot can reach the whole of or nothing.
-  std::vector<ViewpointCluster> clusters(std::span<const Viewpoint> views,
+  template <PathDistance D>
+  std::vector<ViewpointCluster> clusters(std::span<const Viewpoint> views, D&& distance,
                                          const ClusterOptions& options) const {
-    if (groups_.size() < 2) return cluster_viewpoints(views, options);
+    if (groups_.size() < 2) return cluster_viewpoints(views, distance, options);
     std::vector<ViewpointCluster> all;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       std::vector<Viewpoint> members;
@@ -67,7 +68,7 @@ class ViewAccess {
           members.push_back(views[i]);
           index.push_back(static_cast<std::int32_t>(i));
         }
-      for (ViewpointCluster& c : cluster_viewpoints(members, options)) {
+      for (ViewpointCluster& c : cluster_viewpoints(members, distance, options)) {
         for (std::int32_t& v : c.views) v = index[static_cast<std::size_t>(v)];
         all.push_back(std::move(c));
       }

@@ -47,7 +47,7 @@ class WithSpaceLooks {
       : planner(std::move(p)), options(o) {}
 
   PlanResult operator()(const PlanRequest& request) {
-    PlanResult result = planner(request);
+    PlanResult result = ask(planner, request);
     most_work_ = std::max(most_work_, request.work.size());
     const bool waiting = std::all_of(request.robots.begin(), request.robots.end(),
                                      [](const RobotRequest& r) { return r.idle; });

@@ -58,11 +58,6 @@ inline std::int64_t whole_number(const std::optional<std::string_view>& word) {
   return word ? parse_number<std::int64_t>(*word).value_or(-1) : -1;
 }
 
-inline void add_fan(TriangleMesh& mesh, std::span<const std::int32_t> polygon) {
-  for (std::size_t k = 2; k < polygon.size(); ++k)
-    mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
-}
-
 /// Collects corners that come without indices; equal positions become one vertex.
 class ExactWelder {
  public:
@@ -125,7 +120,7 @@ inline TriangleMesh parse_obj(std::string_view text, const std::string& name) {
           highest.emplace_back(index, lines.line());
       }
       where.require(polygon.size() >= 3, "expected a face of three or more corners");
-      add_fan(mesh, polygon);
+      mesh.add_fan(polygon);
     }
   }
   for (const auto& [index, line] : highest)
@@ -171,9 +166,10 @@ inline TriangleMesh parse_stl(std::span<const std::byte> bytes, const std::strin
     return mesh;
   }
   std::vector<std::int32_t> polygon;
-  bool in_loop = false;
+  bool in_loop = false, ended = false;
   words.next_line();  // the solid's name
   while (const auto word = words.next_word()) {
+    ended = *word == "endsolid";
     if (*word == "outer") {
       polygon.clear();
       in_loop = true;
@@ -184,13 +180,13 @@ inline TriangleMesh parse_stl(std::span<const std::byte> bytes, const std::strin
     } else if (*word == "endloop") {
       FileLine{name, words.line() + 1}.require(in_loop && polygon.size() == 3,
                                                "expected facets of three vertices");
-      add_fan(mesh, polygon);
+      mesh.add_fan(polygon);
       in_loop = false;
     } else if (*word == "endsolid" || *word == "solid") {
       words.next_line();  // the rest is a name
     }
   }
-  require(!in_loop, name + ": ends within a facet; expected a complete file");
+  require(ended, name + ": ends without endsolid; expected a complete file");
   return mesh;
 }
 
@@ -246,7 +242,7 @@ inline TriangleMesh parse_off(std::string_view text, const std::string& name) {
                     "expected vertex indices below the number of vertices");
       polygon.push_back(static_cast<std::int32_t>(index));
     }
-    add_fan(mesh, polygon);
+    mesh.add_fan(polygon);
   }
   return mesh;
 }

@@ -300,8 +300,7 @@ inline TriangleMesh parse_ply(std::span<const std::byte> bytes, const std::strin
           polygon.push_back(static_cast<std::int32_t>(value));
         }
         if (slots[i] != kIndices) continue;
-        for (std::size_t k = 2; k < polygon.size(); ++k)
-          mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+        mesh.add_fan(polygon);
       }
       if (!is_vertex) continue;
       const Point3 p(v[0], v[1], v[2]);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <surfleet/core/types.hpp>
@@ -23,6 +24,11 @@ struct TriangleMesh {
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< sRGB.
 
   bool empty() const { return triangles.empty(); }
+  /// Adds a polygon of these vertices, as a fan of triangles around the first.
+  void add_fan(std::span<const std::int32_t> polygon) {
+    for (std::size_t k = 2; k < polygon.size(); ++k)
+      triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+  }
   const Point3& corner(std::size_t triangle, std::size_t k) const {
     return vertices[static_cast<std::size_t>(triangles[triangle][k])];
   }

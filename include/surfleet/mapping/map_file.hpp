@@ -96,9 +96,9 @@ inline void get_map_block(ByteReader& in, const std::string& what,
                 std::to_string(in.position() - 1) + "; expected 0, 1 or 2");
   }
   for (const TsdfVoxel& v : voxels)
-    require(std::isfinite(v.distance) && std::isfinite(v.weight) && v.weight >= 0.0F,
-            what + ": voxel before byte " + std::to_string(in.position()) +
-                " is not finite or has a negative weight; expected a finite one");
+    if (!(std::isfinite(v.distance) && std::isfinite(v.weight) && v.weight >= 0.0F))
+      throw Error(what + ": voxel before byte " + std::to_string(in.position()) +
+                  " is not finite or has a negative weight; expected a finite one");
 }
 }  // namespace detail
 
@@ -122,7 +122,7 @@ inline Bytes encode_map(const TsdfMap& map, MapFileOptions options = {}) {
 }
 
 /// The map of the bytes; every block is marked as changed. Throws `Error` that begins with `what`
-/// on anything but a whole, sound map; allocates no more than a small multiple of the bytes.
+/// on anything but a whole, sound map; allocates no more than some sixty times the bytes.
 inline TsdfMap decode_map(std::span<const std::byte> bytes, const std::string& what = "map") {
   ByteReader in(bytes, what);
   require(in.get<std::array<char, 8>>() == detail::kMapMagic,

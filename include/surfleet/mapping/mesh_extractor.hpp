@@ -20,8 +20,9 @@
 namespace surfleet {
 struct MeshOptions {
   double min_weight = 1e-4;  ///< Voxels with less weight are unknown: no surface beside them.
-  /// A cube whose distances change by more than this many voxel sizes along an edge shows no
-  /// surface: it lies between free space and the hidden side of something, not on it.
+  /// A cube whose distances change by more than this many voxel sizes along an edge that the
+  /// surface crosses shows none: it lies between free space and the hidden side of something, not
+  /// on it.
   double max_step = std::numeric_limits<double>::infinity();
   bool normals = true;  ///< Area-weighted vertex normals.
   int threads = 1;      ///< The result is the same for any number.
@@ -46,7 +47,6 @@ class MeshExtractor {
     parts_.resize(map.block_count());
     voxel_size_ = map.voxel_size();
     std::vector<std::uint32_t> dirty = map.changed_since(cursor_);
-    cursor_ = map.revision();
     for (std::size_t s = known; s < parts_.size(); ++s)
       dirty.push_back(static_cast<std::uint32_t>(s));
     std::vector<std::uint8_t> queued(parts_.size(), 0);
@@ -61,6 +61,7 @@ class MeshExtractor {
     parallel_for(
         slots.size(), options_.threads,
         [&](std::size_t i) { mesh_block(map, slots[i], parts_[slots[i]]); }, 16);
+    cursor_ = map.revision();
     return slots.size();
   }
 

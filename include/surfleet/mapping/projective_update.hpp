@@ -36,6 +36,7 @@ class ProjectiveUpdate {
     view_.width = camera.width;
     view_.height = camera.height;
     view_.margin = 0;
+    view_.cube_axis = -1;
     view_.planes.clear();
     view_.fx = static_cast<float>(camera.fx);
     view_.fy = static_cast<float>(camera.fy);

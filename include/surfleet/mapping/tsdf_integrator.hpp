@@ -21,7 +21,8 @@ namespace surfleet {
 /// ```
 /// A voxel is the weighted mean of what was observed of it: φ ← (w φ + Δw φ′) / (w + Δw),
 /// w ← min(w + Δw, max_weight). The map is the same, bit by bit, for any number of threads. Throws
-/// `Error` on settings, images, ranges or poses out of bounds, before the map is touched.
+/// `Error` on settings, images, ranges or poses out of bounds, before the map is touched; a scan
+/// that reaches out of the grid's 2^30 voxels a side may be found out half way.
 template <WeightPolicy Weight = InverseSquareWeight, UpdatePolicy Update = ProjectiveUpdate>
 class TsdfIntegrator {
  public:

@@ -219,12 +219,6 @@ class VoxelGrid {
     return slots;
   }
 
-  void clear() {
-    blocks_.clear();
-    log_.clear();
-    table_.assign(64, Entry{});
-  }
-
  private:
   struct Entry {
     std::int32_t x = 0, y = 0, z = 0;

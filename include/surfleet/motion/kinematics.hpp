@@ -12,7 +12,8 @@
 #include <surfleet/motion/path_follower.hpp>
 
 namespace surfleet {
-/// What the rest of the library asks of a robot that moves along paths.
+/// A robot that moves along paths. (`Mission` flies `AerialMotion`, whose courses it bends and
+/// whose heading it leads on the way, beyond what is asked here.)
 ///
 /// `follow(points, yaw)` sets out along a polyline that begins where the robot is, to stand at its
 /// end with heading `yaw`; `advance(dt)` lets time pass and returns the configuration; `stop()`
@@ -212,6 +213,7 @@ class UnicycleMotion {
     for (Point3& p : next_) p.z() = follower_.position().z();
     next_yaw_ = yaw;
     pending_ = true;
+    held_ = false;
     if (standing()) return set_out();
     if (next_.size() > 1) {
       const Eigen::Vector3d first = next_[1] - follower_.position();
@@ -225,7 +227,7 @@ class UnicycleMotion {
     const int steps = std::max(1, static_cast<int>(std::ceil(dt / 0.02 - 1e-9)));
     const double h = dt / steps;
     for (int i = 0; i < steps; ++i) {
-      if (pending_ && standing()) set_out();
+      if (pending_ && !held_ && standing()) set_out();
       if (follower_.at_end()) {
         heading_.advance(goal_yaw_, h);
         continue;
@@ -244,10 +246,14 @@ class UnicycleMotion {
     return configuration();
   }
   void stop() {
-    pending_ = false;
+    held_ = true;
     follower_.stop();
   }
-  void resume() { follower_.resume(); }
+  void resume() {
+    held_ = false;
+    // A course that is to be left is not gone on with.
+    if (!pending_) follower_.resume();
+  }
 
   Configuration configuration() const { return {follower_.position(), heading_.yaw}; }
   Eigen::Vector3d velocity() const { return follower_.direction() * follower_.speed(); }
@@ -270,7 +276,8 @@ class UnicycleMotion {
   HeadingControl heading_;
   std::vector<Point3> next_;
   double goal_yaw_ = 0.0, next_yaw_ = 0.0;
-  bool pending_ = false;
+  bool pending_ = false;  // `next_` waits for the robot to stand
+  bool held_ = false;     // by `stop`
 };
 
 static_assert(KinematicModel<AerialMotion> && KinematicModel<UnicycleMotion>);

@@ -146,6 +146,12 @@ class LazyPrmStar {
 
   /// Whether a path exists.
   bool reachable(const Point3& a, const Point3& b) { return reach_from(a)(b); }
+  /// The length of a path between two configurations [m], or nothing if there is none: models
+  /// `PathDistance`, so that viewpoints can be clustered by a roadmap.
+  std::optional<double> operator()(const Configuration& a, const Configuration& b) {
+    const auto path = query(a.position, b.position);
+    return path ? std::optional(path->length) : std::nullopt;
+  }
 
   /// Path lengths from one place to many, infinite where there is none; one search for all of them.
   /// Exact where there is a line of sight, else along the roadmap, which is a few per cent longer
@@ -172,7 +178,8 @@ class LazyPrmStar {
       std::vector<std::uint8_t> wanted(nodes_.size(), 0);
       std::size_t left = 0;
       for (const std::size_t i : open)
-        for (const auto& [node, d] : gates[i]) left += wanted[index(node)]++ == 0 ? 1 : 0;
+        for (const auto& [node, d] : gates[i])
+          left += std::exchange(wanted[index(node)], 1) == 0 ? 1 : 0;
       const auto tree = shortest_paths(
           *this, std::span<const Source>(sources), NoHeuristic{},
           [&](std::int32_t node, double) { return wanted[index(node)] != 0 && --left == 0; });

@@ -31,8 +31,9 @@ class ReachableSet {
   /// Follows the free space. True if anything changed.
   bool update() {
     const auto changed = space_->changed_since(cursor_);
-    if (changed.empty() && cursor_ != 0) return false;
-    cursor_ = std::max<std::uint64_t>(space_->revision(), 1);
+    if (changed.empty() && begun_) return false;
+    begun_ = true;
+    cursor_ = space_->revision();
     const auto& grid = space_->grid();
     parts_.resize(grid.block_count());
     std::vector<std::pair<std::uint32_t, int>> faces;
@@ -258,5 +259,6 @@ class ReachableSet {
   std::vector<std::size_t> sizes_;  // by root [voxels]
   std::uint32_t known_ = 0;
   std::uint64_t cursor_ = 0;
+  bool begun_ = false;
 };
 }  // namespace surfleet

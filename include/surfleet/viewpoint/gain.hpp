@@ -117,6 +117,7 @@ class UnknownVolumeGain {
     require(options.stride > 0, "ray stride: expected one pixel or more");
     const PinholeCamera& c = frustum.camera();
     const double depth = options.max_depth > 0.0 ? options.max_depth : c.max_range;
+    require(depth < 1e6 * map.voxel_size(), "depth: expected less than a million voxels");
     for (int v = options.stride / 2; v < c.height; v += options.stride)
       for (int u = options.stride / 2; u < c.width; u += options.stride)
         ends_.push_back(frustum.T_body_camera() * Point3(depth * c.ray(u, v)));

@@ -39,7 +39,9 @@ struct ViewpointCluster {
 struct ClusterOptions {
   double radius = 2.0;      ///< d_ν: paths shorter than this join viewpoints [m].
   double max_radius = 5.0;  ///< d_ν^max: up to which a viewpoint alone looks for company [m].
-  double max_extent = 0.0;  ///< Farthest from a cluster's first viewpoint, straight [m]; 0: any.
+  /// Farthest from a cluster's first viewpoint, straight [m]; 0: any. Those who would be alone join
+  /// the nearest all the same.
+  double max_extent = 0.0;
 };
 
 /// Puts every viewpoint in exactly one cluster [000 §2.4.3].

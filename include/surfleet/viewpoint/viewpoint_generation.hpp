@@ -187,9 +187,10 @@ inline std::vector<double> view_distances(const PinholeCamera& camera, const Vie
 /// robot with four degrees of freedom look from, and turned towards the element. If the element is
 /// not in sight from there, or the robot cannot be there, others are tried: first distances within
 /// about a step of the wanted one, over directions by growing angle to n̄_v up to `max_angle`; then
-/// all other distances likewise. An element without direction takes directions as they come. Every
-/// view reveals its element: it is in the frustum and in sight, and so is one of its unknown
-/// neighbours. One object a thread; the map must outlive it and not gain blocks meanwhile.
+/// all other distances over the same fan of directions. An element without direction takes
+/// directions as they come. Every view reveals its element: it is in the frustum and in sight, and
+/// so is one of its unknown neighbours. One object a thread; the map must outlive it and not gain
+/// blocks meanwhile.
 class ViewpointGenerator {
  public:
   /// Throws `Error` on a distance or a step that is not positive.
@@ -296,6 +297,8 @@ class ViewpointGenerator {
   static const ViewpointOptions& checked(const ViewpointOptions& o) {
     require(o.distance > 0.0 && std::isfinite(o.distance),
             "viewpoint distance: expected a positive length");
+    require(std::isfinite(o.min_distance) && std::isfinite(o.max_distance),
+            "viewpoint distance: expected finite bounds");
     require(o.distance_step > 0.01 && o.angle_step > 0.01 && o.max_tries > 0,
             "viewpoint steps: expected more than 1 cm, more than 0.01 rad and at least one try");
     return o;

@@ -31,6 +31,9 @@ struct SurfacePlane {
 struct ProjectiveView {
   int width = 0, height = 0;
   int margin = 0;  ///< Outer pixels that serve interpolation only: no voxel is theirs.
+  /// Of a face of the cube around a scanner, the axis it stands on; −1 for an image. x and y of its
+  /// frame lie along the next axes, or against them.
+  int cube_axis = -1;
   float fx = 1, fy = 1, cx = 0, cy = 0;
   float z_limit = 0;                     ///< Nothing at greater depth is a surface or carved [m].
   float range_limit = 0;                 ///< The same for the distance from the sensor [m].
@@ -268,17 +271,32 @@ class BlockObserver {
       depth[n] = pz;
       divisor[n] = larger(pz, kNearPlane);
     }
-    for (std::size_t i = 0; i < kSlice; ++i) {
-      const float scale = 1.0F / divisor[i];
-      // Shifted by half a pixel, so that truncation finds the nearest centre.
-      const float su = smaller(larger(fx * across[i] * scale + cx + 0.5F, -1.0F), w);
-      const float sv = smaller(larger(fy * down[i] * scale + cy + 0.5F, -1.0F), h);
-      const int in = int(depth[i] > kNearPlane) & int(su >= m) & int(sv >= m) & int(su < right) &
-                     int(sv < bottom);
-      const auto iu = static_cast<std::int32_t>(su), iv = static_cast<std::int32_t>(sv);
-      pixel[i] = nowhere + in * (iv * width + iu - nowhere);
-      u[i] = su - 0.5F;
-      v[i] = sv - 0.5F;
+    const auto find_pixels = [&](auto&& is_in) {
+      for (std::size_t i = 0; i < kSlice; ++i) {
+        const float scale = 1.0F / divisor[i];
+        // Shifted by half a pixel, so that truncation finds the nearest centre.
+        const float su = smaller(larger(fx * across[i] * scale + cx + 0.5F, -1.0F), w);
+        const float sv = smaller(larger(fy * down[i] * scale + cy + 0.5F, -1.0F), h);
+        const int in = int(depth[i] > kNearPlane) & is_in(i, su, sv);
+        const auto iu = static_cast<std::int32_t>(su), iv = static_cast<std::int32_t>(sv);
+        pixel[i] = nowhere + in * (iv * width + iu - nowhere);
+        u[i] = su - 0.5F;
+        v[i] = sv - 0.5F;
+      }
+    };
+    if (view_.cube_axis < 0) {
+      find_pixels([&](std::size_t, float su, float sv) {
+        return int(su >= m) & int(sv >= m) & int(su < right) & int(sv < bottom);
+      });
+    } else {
+      // A voxel between faces is the first axis'. Its coordinates are the same numbers in the
+      // frames of all faces, so exactly one has it; of pixels that could not be said.
+      const int first_across = int(view_.cube_axis < 2), first_down = int(view_.cube_axis < 1);
+      find_pixels([&](std::size_t i, float, float) {
+        const float x = std::abs(across[i]), y = std::abs(down[i]), face = depth[i];
+        return (int(x < face) | (first_across & int(x == face))) &
+               (int(y < face) | (first_down & int(y == face)));
+      });
     }
     const float* const inverse_depth = view_.inverse_depth.data();
     for (std::size_t i = 0; i < kSlice; ++i)

@@ -72,6 +72,7 @@ class ScanProjection {
     const int n = side_with_margin();
     view.width = view.height = n;
     view.margin = kMargin;
+    view.cube_axis = face / 2;
     view.fx = view.fy = focal();
     view.cx = view.cy = center();
     view.z_limit = static_cast<float>(max_range_);
