@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // requires: ompl
-/// @file  Our roadmap's queries against OMPL's LazyPRM* in the same free space.
+/// @file  Our roadmap's queries against OMPL's LazyPRM* in the free space of the power plant's map.
 ///
 ///     roadmap_vs_ompl [PAIRS = 20] [SECONDS_FOR_OMPL = 1]
 ///
@@ -9,6 +9,8 @@
 /// after the other from one roadmap, the first one cold. Prints JSON.
 #include <surfleet/core/random.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/simulation/mesh_map.hpp>
+#include <surfleet/simulation/scenes.hpp>
 
 #include <chrono>
 #include <cstdio>
@@ -24,8 +26,6 @@
 #include <ompl/geometric/planners/prm/LazyPRMstar.h>
 #include <ompl/util/Console.h>
 #include <ompl/util/RandomNumbers.h>
-
-#include "../motion/plant_map.hpp"
 
 namespace {
 using namespace surfleet;
@@ -96,13 +96,10 @@ int main(int argc, char** argv) {
   ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
   ompl::RNG::setSeed(1);
 
-  TsdfMap map({.voxel_size = 0.3});
-  const Box3 bounds = plant_map::bounds();
-  plant_map::observe(
-      map, Box3(bounds.min() - Point3::Constant(1.5), bounds.max() + Point3::Constant(1.5)),
-      plant_map::Plant{});
+  const Scene scene = scene_by_name("powerplant");
+  const TsdfMap map = map_from_mesh(Bvh(scene.mesh), scene.bounds, 0.3);
   const VoxelStateMap states(map);
-  const FreeSpace space(states, {.radius = 1.0, .bounds = bounds});
+  const FreeSpace space(states, {.radius = 1.0, .bounds = scene.bounds});
   using Clock = std::chrono::steady_clock;
   const auto ms = [](auto d) { return std::chrono::duration<double, std::milli>(d).count(); };
   auto t = Clock::now();
@@ -112,8 +109,11 @@ int main(int argc, char** argv) {
   Random random(3);
   const auto draw = [&] {
     for (;;) {
-      const Point3 p(random.uniform(-34, 32), random.uniform(-22, 21), random.uniform(1.5, 10));
-      if (space.is_free(p)) return p;
+      const Point3 p =
+          scene.bounds.min() + Eigen::Vector3d(random.uniform(), random.uniform(), random.uniform())
+                                   .cwiseProduct(scene.bounds.sizes());
+      // Not inside a tank, which is as empty as the rest.
+      if (space.is_free(p) && roadmap.reachable(scene.station.position, p)) return p;
     }
   };
   double ratio_raw = 0.0, ratio_simplified = 0.0, mean_ms = 0.0, cpu_ms = 0.0, worst_ms = 0.0,
