@@ -209,7 +209,7 @@ int evaluate_files(int argc, char** argv) {
   const auto centimetres = [](double v) { return format_number(100.0 * v, 2); };
   table.add_row(
       {"surface coverage within e_max", format_number(100.0 * m.surface_coverage, 2), "%"});
-  table.add_row({"the same by M3C2", format_number(100.0 * m.m3c2_coverage, 2), "%"});
+  table.add_row({"the same by M3C2", format_number(100.0 * m.m3c2_coverage(), 2), "%"});
   table.add_row({"M3C2 mean", centimetres(m.m3c2_mean_m), "cm"});
   table.add_row({"M3C2 standard deviation", centimetres(m.m3c2_std_m), "cm"});
   table.add_row({"RMSE", centimetres(m.rmse_m), "cm"});
@@ -225,7 +225,7 @@ int evaluate_files(int argc, char** argv) {
 
   nlohmann::ordered_json json;
   json["surface_coverage"] = m.surface_coverage;
-  json["m3c2_coverage"] = m.m3c2_coverage;
+  json["m3c2_coverage"] = m.m3c2_coverage();
   json["m3c2_mean_m"] = m.m3c2_mean_m;
   json["m3c2_std_m"] = m.m3c2_std_m;
   json["rmse_m"] = m.rmse_m;

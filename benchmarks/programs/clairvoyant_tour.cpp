@@ -7,8 +7,10 @@
 // Prints one JSON object a line: the share that was asked for, the share that was seen, the share
 // that a mission on the same tour would have reported, the length.
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <vector>
 
 #include "support/cli.hpp"
@@ -17,45 +19,22 @@
 
 #include <surfleet/adapters/embree_ray_caster.hpp>
 #include <surfleet/fleet/coverage_tour.hpp>
-#include <surfleet/mapping/tsdf_integrator.hpp>
-#include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/mesh_map.hpp>
 
 namespace {
 using namespace surfleet;
 using namespace surfleet::examples;
 
-/// What a drone that flies the tour has in its map, by the mission's own probe: an image at each
-/// viewpoint, and every so often on the way, with the next one's heading.
+/// What a drone that flies the tour has in its map, by the mission's own probe.
 double coverage_in_map(const CoverageTour& tour, const InspectionSettings& s,
-                       const InspectionSite& site, double image_spacing) {
-  const DroneWorld<EmbreeRayCaster> world(site.caster, site.camera, forward_camera_mount(),
-                                          {.noise = s.noise, .stereo = s.stereo, .seed = s.seed});
-  TsdfMap map({.voxel_size = s.voxel});
-  TsdfIntegrator<DropOffWeight<>> integrate{
-      {.truncation = s.truncation.value_or(3.0 * s.voxel), .threads = s.threads},
-      {.full = s.voxel, .zero = 1.5 * s.voxel}};
+                       const InspectionSite& site, const MissionOptions& mission) {
+  const DroneWorld<EmbreeRayCaster> world = site.world(s);
+  TsdfIntegrator<DropOffWeight<>> integrate = mission_integrator(mission);
+  TsdfMap map({.voxel_size = mission.voxel_size});
   std::uint64_t shot = 0;
-  const auto look = [&](const Configuration& q) {
-    const DepthImage image = world.capture(0, shot++, std::span(&q, 1));
-    integrate(image, site.camera, q.pose() * forward_camera_mount(), map);
-  };
-  std::size_t next = 0;
-  double until = image_spacing;
-  for (std::size_t i = 0; i < tour.path.size(); ++i) {
-    const Point3& p = tour.path[i];
-    for (const double length = i > 0 ? (p - tour.path[i - 1]).norm() : 0.0;;
-         until += image_spacing) {
-      if (next >= tour.viewpoints.size() || until >= length) {
-        until -= length;
-        break;
-      }
-      look({tour.path[i - 1] + (p - tour.path[i - 1]) * (until / length),
-            tour.viewpoints[next].yaw});
-    }
-    while (next < tour.viewpoints.size() && (tour.viewpoints[next].position - p).norm() < 1e-6)
-      look(tour.viewpoints[next++]);
-  }
+  for (const Configuration& q : tour.looks)
+    integrate(world.capture(0, shot++, std::span(&q, 1)), mission.camera,
+              q.pose() * mission.T_body_camera, map);
   return CoverageProbe(site, half_voxel_diagonal(s.voxel))(map);
 }
 
@@ -101,15 +80,14 @@ int run(int argc, char** argv) {
                                                  roadmap, site.camera, start, o);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-    const nlohmann::json line{
-        {"scene", site.scene.name},
-        {"asked", coverage},
-        {"coverage", tour.coverage()},
-        {"coverage_in_map", coverage_in_map(tour, s, site, tour_options.image_spacing)},
-        {"length_m", tour.length},
-        {"viewpoints", tour.viewpoints.size()},
-        {"reachable_m2", tour.reachable_area},
-        {"seconds", seconds}};
+    const nlohmann::json line{{"scene", site.scene.name},
+                              {"asked", coverage},
+                              {"coverage", tour.coverage()},
+                              {"coverage_in_map", coverage_in_map(tour, s, site, mission)},
+                              {"length_m", tour.length},
+                              {"viewpoints", tour.viewpoints.size()},
+                              {"reachable_m2", tour.reachable_area},
+                              {"seconds", seconds}};
     std::printf("%s\n", line.dump().c_str());
     std::fflush(stdout);
   }

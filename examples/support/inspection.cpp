@@ -16,7 +16,6 @@
 #include <surfleet/evaluation/observable_surface.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
-#include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/scenes.hpp>
 
 namespace surfleet::examples {
@@ -35,6 +34,29 @@ AnyPlanner planner_for(const InspectionSettings& s) {
   p.cost = {.stop = 2.0 * s.limits.speed, .turn = s.limits.speed / s.limits.yaw_rate};
   if (s.utility_share_given) p.utility_share = s.utility_share;
   return make_planner(s.planner, p);
+}
+
+/// Points that both surfaces are sampled with at the most; larger scenes are sampled less densely.
+constexpr double kMostSamples = 1e7;
+
+EvaluationOptions evaluation_options(const InspectionSettings& s, double area) {
+  EvaluationOptions e;
+  e.e_max = half_voxel_diagonal(s.voxel);
+  e.density = std::min(e.sampling_density(), kMostSamples / area);
+  e.threads = s.threads;
+  return e;
+}
+/// What lies in the region, some samples a voxel's face. Throws `Error` if that is nothing.
+SurfaceSamples sample_region(const Scene& scene, double voxel) {
+  const TriangleMesh structure = scene.structure();
+  const double density = std::min(3.0 / (voxel * voxel), kMostSamples / structure.area());
+  const SurfaceSamples all = sample_surface(structure, {.density = density});
+  std::vector<std::uint8_t> inside(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    inside[i] = scene.region.contains(all.cloud.points[i]) ? 1 : 0;
+  SurfaceSamples kept = select(all, inside);
+  require(kept.size() > 0, scene.name + ": no surface in the region; expected --bounds around it");
+  return kept;
 }
 }  // namespace
 
@@ -68,31 +90,6 @@ Scene open_scene(const InspectionSettings& s) {
   return scene;
 }
 
-namespace {
-/// Points that both surfaces are sampled with at the most; larger scenes are sampled less densely.
-constexpr double kMostSamples = 1e7;
-
-EvaluationOptions evaluation_options(const InspectionSettings& s, double area) {
-  EvaluationOptions e;
-  e.e_max = half_voxel_diagonal(s.voxel);
-  e.density = std::min(e.sampling_density(), kMostSamples / area);
-  e.threads = s.threads;
-  return e;
-}
-/// What lies in the region, some samples a voxel's face. Throws `Error` if that is nothing.
-SurfaceSamples sample_region(const Scene& scene, double voxel) {
-  const TriangleMesh structure = scene.structure();
-  const double density = std::min(3.0 / (voxel * voxel), kMostSamples / structure.area());
-  const SurfaceSamples all = sample_surface(structure, {.density = density});
-  std::vector<std::uint8_t> inside(all.size());
-  for (std::size_t i = 0; i < all.size(); ++i)
-    inside[i] = scene.region.contains(all.cloud.points[i]) ? 1 : 0;
-  SurfaceSamples kept = select(all, inside);
-  require(kept.size() > 0, scene.name + ": no surface in the region; expected --bounds around it");
-  return kept;
-}
-}  // namespace
-
 InspectionSite::InspectionSite(Scene s, const InspectionSettings& settings)
     : scene(std::move(s)),
       space(scene.mesh),
@@ -112,6 +109,13 @@ std::vector<Configuration> InspectionSite::starts(const InspectionSettings& sett
                                                   int robots) const {
   return starting_places(scene, space, robots,
                          {.radius = settings.radius, .margin = settings.margin});
+}
+
+DroneWorld<EmbreeRayCaster> InspectionSite::world(const InspectionSettings& s) const {
+  return {caster,
+          camera,
+          forward_camera_mount(),
+          {.noise = s.noise, .stereo = s.stereo, .body_radius = 0.5 * s.radius, .seed = s.seed}};
 }
 
 void InspectionSite::find_reference(const InspectionSettings& settings, const Point3& start) {
@@ -166,9 +170,7 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
   const std::vector<Configuration> starts = site.starts(s, s.robots);
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
-    DroneWorld<EmbreeRayCaster> world(
-        site.caster, site.camera, forward_camera_mount(),
-        {.noise = s.noise, .stereo = s.stereo, .body_radius = 0.5 * s.radius, .seed = s.seed});
+    DroneWorld<EmbreeRayCaster> world = site.world(s);
     Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site, starts),
                                                              world, starts, planner_for(s));
     const auto before = std::chrono::steady_clock::now();

@@ -15,6 +15,7 @@
 #include <surfleet/fleet/mission.hpp>
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
+#include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/judge.hpp>
 #include <surfleet/simulation/scene.hpp>
 
@@ -39,6 +40,9 @@ struct InspectionSite {
 
   /// Where so many drones start. Throws `Error` if there is no room for them.
   std::vector<Configuration> starts(const InspectionSettings& settings, int robots) const;
+
+  /// What the drones' cameras see. The site must outlive it.
+  DroneWorld<EmbreeRayCaster> world(const InspectionSettings& settings) const;
 
   /// Finds what could have been seen from `start`: slow, and needed for the judgement alone. Throws
   /// `Error` if that is nothing.

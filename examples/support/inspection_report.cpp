@@ -51,7 +51,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"path_length_m", run.result.path_length},
           {"path_to_coverage_m", milestones},
           {"surface_coverage", m.surface_coverage},
-          {"m3c2_coverage", m.m3c2_coverage},
+          {"m3c2_coverage", m.m3c2_coverage()},
           {"observable_share", site.reference_share},
           {"m3c2_mean_m", number(m.m3c2_mean_m)},
           {"m3c2_std_m", number(m.m3c2_std_m)},

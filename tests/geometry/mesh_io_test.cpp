@@ -131,6 +131,7 @@ TEST(stl_variants_are_welded) {
   CHECK(refuses(cut.substr(0, cut.find("endloop")), ".stl"));
   CHECK(refuses(cut.substr(0, cut.find("endsolid")), ".stl"));
   CHECK(refuses(cut.substr(0, cut.find("endfacet") + 20), ".stl"));
+  CHECK(refuses(cut.substr(0, cut.find("endloop")) + "endsolid", ".stl"));
 }
 
 TEST(off_variants) {

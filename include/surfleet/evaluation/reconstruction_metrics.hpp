@@ -59,9 +59,6 @@ struct EvaluationOptions {
 struct ReconstructionMetrics {
   /// Share of the reference within e_max of the nearest point of the reconstruction.
   double surface_coverage = 0.0;
-  /// The same by M3C2, as the seeds count it [000 §2.6.2]: the share whose distance along the
-  /// normal is measured and at most e_max.
-  double m3c2_coverage = 0.0;
   /// M3C2 over what is covered: |distance| ≤ e_max, as the seeds prune outliers.
   double m3c2_mean_m = 0.0, m3c2_std_m = 0.0, rmse_m = 0.0;
   /// M3C2 over every core point whose cylinder met both surfaces.
@@ -71,6 +68,14 @@ struct ReconstructionMetrics {
   /// Reconstruction to reference: what is wrong. Samples of the whole reconstruction.
   double accuracy_mean_m = 0.0, accuracy_p95_m = 0.0;
   std::size_t reference_points = 0, reconstruction_points = 0, m3c2_points = 0;
+
+  /// Coverage by M3C2, as the seeds count it [000 §2.6.2]: the share of the reference whose
+  /// distance along the normal is measured and at most e_max.
+  double m3c2_coverage() const {
+    return reference_points == 0
+               ? 0.0
+               : static_cast<double>(m3c2_points) / static_cast<double>(reference_points);
+  }
 };
 
 struct ReconstructionEvaluation {
@@ -160,8 +165,6 @@ inline ReconstructionEvaluation evaluate(const PointCloud& reference_points,
                  .threads = options.threads});
   const DistanceStatistics pruned = distance_statistics(e.m3c2.distance, options.e_max);
   m.m3c2_points = pruned.count;
-  m.m3c2_coverage =
-      static_cast<double>(pruned.count) / static_cast<double>(reference_points.size());
   m.m3c2_mean_m = pruned.mean;
   m.m3c2_std_m = pruned.deviation;
   m.rmse_m = pruned.rmse;

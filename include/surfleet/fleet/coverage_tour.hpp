@@ -44,9 +44,12 @@ struct CoverageTourOptions {
 struct CoverageTour {
   std::vector<Configuration> viewpoints;  ///< In the order of the visit, without the start.
   std::vector<Point3> path;               ///< The whole flight, the start first.
-  double length = 0.0;                    ///< Of `path` [m].
-  double seen_area = 0.0;                 ///< [m²]
-  double reachable_area = 0.0;            ///< What the candidates together can see [m²].
+  /// The images that count, in the order of the flight: at the viewpoints, and on the way to each
+  /// with its heading.
+  std::vector<Configuration> looks;
+  double length = 0.0;          ///< Of `path` [m].
+  double seen_area = 0.0;       ///< [m²]
+  double reachable_area = 0.0;  ///< What the candidates together can see [m²].
   double coverage() const { return reachable_area > 0.0 ? seen_area / reachable_area : 1.0; }
 };
 
@@ -262,18 +265,23 @@ class CoverageTourPlanner {
     for (std::size_t k = 0; k < stops_.size(); ++k) {
       const auto path = roadmap_.query(place(k), place(k + 1));
       if (!path) continue;
-      double until = options_.image_spacing;
-      for (std::size_t s = 1; s < path->points.size(); ++s) {
-        const Point3 a = path->points[s - 1], b = path->points[s];
-        const double length = (b - a).norm();
-        for (; until < length; until += options_.image_spacing) {
-          const int heading = candidates_[stops_[k]].heading;
-          for (const Sighting& seen : targets_.seen_from(a + (b - a) * (until / length)))
-            if ((seen.headings >> heading & 1U) != 0U)
-              en_route_[static_cast<std::size_t>(seen.target)] = 1;
-        }
-        until -= length;
-      }
+      const int heading = candidates_[stops_[k]].heading;
+      for_each_look_along(*path, [&](const Point3& p) {
+        for (const Sighting& seen : targets_.seen_from(p))
+          if ((seen.headings >> heading & 1U) != 0U)
+            en_route_[static_cast<std::size_t>(seen.target)] = 1;
+      });
+    }
+  }
+  /// Calls `look` with the places of a path where an image is taken.
+  template <typename Look>
+  void for_each_look_along(const Path& path, Look&& look) const {
+    double until = options_.image_spacing;
+    for (std::size_t s = 1; s < path.points.size(); ++s) {
+      const Point3 a = path.points[s - 1], b = path.points[s];
+      const double length = (b - a).norm();
+      for (; until < length; until += options_.image_spacing) look(a + (b - a) * (until / length));
+      until -= length;
     }
   }
 
@@ -312,9 +320,13 @@ class CoverageTourPlanner {
   void fly(CoverageTour& tour) {
     tour.path.push_back(start_.position);
     for (std::size_t k = 0; k < stops_.size(); ++k) {
-      tour.viewpoints.push_back({place(k + 1), heading_angle(candidates_[stops_[k]].heading)});
-      if (const auto path = roadmap_.query(place(k), place(k + 1)))
+      const Configuration stop{place(k + 1), heading_angle(candidates_[stops_[k]].heading)};
+      if (const auto path = roadmap_.query(place(k), place(k + 1))) {
         tour.path.insert(tour.path.end(), path->points.begin() + 1, path->points.end());
+        for_each_look_along(*path, [&](const Point3& p) { tour.looks.push_back({p, stop.yaw}); });
+      }
+      tour.viewpoints.push_back(stop);
+      tour.looks.push_back(stop);
     }
     tour.length = polyline_length(tour.path);
     tour.seen_area = count_seen();

@@ -77,6 +77,13 @@ struct MissionOptions {
   std::uint64_t seed = 1;
 };
 
+/// How images come into a mission's map. Behind a surface an image soon knows nothing: beams have
+/// another side.
+inline TsdfIntegrator<DropOffWeight<>> mission_integrator(const MissionOptions& o) {
+  return TsdfIntegrator<DropOffWeight<>>(o.tsdf,
+                                         {.full = o.voxel_size, .zero = 1.5 * o.voxel_size});
+}
+
 /// A row of the mission's history.
 struct MissionProgress {
   double time = 0.0;         ///< [s]
@@ -128,8 +135,7 @@ class Mission {
         options_(checked(std::move(options), starts)),
         world_(&world),
         map_({.voxel_size = options_.voxel_size}),
-        // Behind a surface an image soon knows nothing: beams have another side.
-        integrate_(options_.tsdf, {.full = options_.voxel_size, .zero = 1.5 * options_.voxel_size}),
+        integrate_(mission_integrator(options_)),
         known_(map_, {.known_weight = options_.known_weight}),
         observed_(map_, {.known_weight = options_.known_weight * options_.observed_share}),
         flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
@@ -311,7 +317,6 @@ class Mission {
           done = false;
           needed = std::max(needed, looks_needed(fleet_[r], v));
         }
-        if (a.route.front().targets.empty()) done = a.images >= 2;
         if (done || a.images >= std::min(needed, most_looks())) leave_stop(r);
       }
       if (a.phase != Phase::flying && a.phase != Phase::aside) continue;

@@ -186,7 +186,7 @@ inline TriangleMesh parse_stl(std::span<const std::byte> bytes, const std::strin
       words.next_line();  // the rest is a name
     }
   }
-  require(ended, name + ": ends without endsolid; expected a complete file");
+  require(ended && !in_loop, name + ": ends without endsolid; expected a complete file");
   return mesh;
 }
 

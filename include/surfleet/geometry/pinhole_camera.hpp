@@ -11,6 +11,12 @@
 #include <surfleet/core/types.hpp>
 
 namespace surfleet {
+/// Throws `Error` unless `nearest` and `farthest` bound what `sensor` measures [m].
+inline void require_range(double nearest, double farthest, const char* sensor) {
+  if (!(nearest >= 0.0 && farthest > nearest && std::isfinite(farthest)))
+    throw Error(std::string(sensor) + " range: expected 0 <= minimum < maximum");
+}
+
 /// Intrinsics and range of a depth camera without distortion.
 ///
 /// Camera frame: x right, y down, z forward. Pixel (u, v) has its centre at integer coordinates.
@@ -33,8 +39,7 @@ struct PinholeCamera {
                 std::to_string(degrees(vertical)) + " degrees: expected angles in (0, 170]");
     require(width > 0 && height > 0 && width <= 16384 && height <= 16384,
             "camera image: expected 1 to 16384 pixels a side");
-    require(min_range >= 0.0 && max_range > min_range && std::isfinite(max_range),
-            "camera range: expected 0 <= minimum < maximum");
+    require_range(min_range, max_range, "camera");
     PinholeCamera c;
     c.width = width;
     c.height = height;

@@ -2,6 +2,7 @@
 /// @file  What a TSDF integrator is told and what it asks of the way it updates voxels.
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <limits>
@@ -71,13 +72,11 @@ inline void check_observation(const DepthObservation& o) {
               std::to_string(c.width) + " x " + std::to_string(c.height));
   require(c.fx > 0.0 && c.fy > 0.0 && std::isfinite(c.fx + c.fy + c.cx + c.cy),
           "camera: expected positive focal lengths and a finite principal point");
-  require(c.min_range >= 0.0 && c.max_range > c.min_range && std::isfinite(c.max_range),
-          "camera range: expected 0 <= minimum < maximum");
+  require_range(c.min_range, c.max_range, "camera");
 }
 inline void check_observation(const ScanObservation& o) {
   check_pose(o.T_world_sensor);
-  require(o.min_range >= 0.0 && o.max_range > o.min_range && std::isfinite(o.max_range),
-          "scan range: expected 0 <= minimum < maximum");
+  require_range(o.min_range, o.max_range, "scan");
 }
 
 /// Folds one observation into a voxel; true if the voxel changed.

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include <surfleet/core/error.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 
@@ -17,11 +16,9 @@ class ViewFrustum {
   explicit ViewFrustum(const PinholeCamera& camera,
                        const Pose& T_body_camera = forward_camera_mount())
       : camera_(camera), T_body_camera_(T_body_camera) {
+    require_range(camera.min_range, camera.max_range, "camera");
     const double left = (camera.cx + 0.5) / camera.fx;
     const double right = (camera.width - 0.5 - camera.cx) / camera.fx;
-    require(camera.min_range >= 0.0 && camera.max_range > camera.min_range &&
-                std::isfinite(camera.max_range),
-            "camera: expected finite ranges, 0 <= nearest < farthest");
     const double top = (camera.cy + 0.5) / camera.fy;
     const double bottom = (camera.height - 0.5 - camera.cy) / camera.fy;
     const std::array<Eigen::Vector4d, 6> in_camera = {Eigen::Vector4d(1, 0, left, 0),
