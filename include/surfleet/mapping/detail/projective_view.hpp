@@ -271,33 +271,19 @@ class BlockObserver {
       depth[n] = pz;
       divisor[n] = larger(pz, kNearPlane);
     }
-    const auto find_pixels = [&](auto&& is_in) {
-      for (std::size_t i = 0; i < kSlice; ++i) {
-        const float scale = 1.0F / divisor[i];
-        // Shifted by half a pixel, so that truncation finds the nearest centre.
-        const float su = smaller(larger(fx * across[i] * scale + cx + 0.5F, -1.0F), w);
-        const float sv = smaller(larger(fy * down[i] * scale + cy + 0.5F, -1.0F), h);
-        const int in = int(depth[i] > kNearPlane) & is_in(i, su, sv);
-        const auto iu = static_cast<std::int32_t>(su), iv = static_cast<std::int32_t>(sv);
-        pixel[i] = nowhere + in * (iv * width + iu - nowhere);
-        u[i] = su - 0.5F;
-        v[i] = sv - 0.5F;
-      }
-    };
-    if (view_.cube_axis < 0) {
-      find_pixels([&](std::size_t, float su, float sv) {
-        return int(su >= m) & int(sv >= m) & int(su < right) & int(sv < bottom);
-      });
-    } else {
-      // A voxel between faces is the first axis'. Its coordinates are the same numbers in the
-      // frames of all faces, so exactly one has it; of pixels that could not be said.
-      const int first_across = int(view_.cube_axis < 2), first_down = int(view_.cube_axis < 1);
-      find_pixels([&](std::size_t i, float, float) {
-        const float x = std::abs(across[i]), y = std::abs(down[i]), face = depth[i];
-        return (int(x < face) | (first_across & int(x == face))) &
-               (int(y < face) | (first_down & int(y == face)));
-      });
+    for (std::size_t i = 0; i < kSlice; ++i) {
+      const float scale = 1.0F / divisor[i];
+      // Shifted by half a pixel, so that truncation finds the nearest centre.
+      const float su = smaller(larger(fx * across[i] * scale + cx + 0.5F, -1.0F), w);
+      const float sv = smaller(larger(fy * down[i] * scale + cy + 0.5F, -1.0F), h);
+      const int in = int(depth[i] > kNearPlane) & int(su >= m) & int(sv >= m) & int(su < right) &
+                     int(sv < bottom);
+      const auto iu = static_cast<std::int32_t>(su), iv = static_cast<std::int32_t>(sv);
+      pixel[i] = nowhere + in * (iv * width + iu - nowhere);
+      u[i] = su - 0.5F;
+      v[i] = sv - 0.5F;
     }
+    if (view_.cube_axis >= 0) share_borders(across, down, depth, u, v, pixel);
     const float* const inverse_depth = view_.inverse_depth.data();
     for (std::size_t i = 0; i < kSlice; ++i)
       inverse[i] = inverse_depth[static_cast<std::size_t>(pixel[i])];
@@ -343,6 +329,32 @@ class BlockObserver {
   }
 
  private:
+  using Slice = std::array<float, kSlice>;
+
+  /// On the border of two faces of a cube rounded pixels may say that a voxel is of both or of
+  /// neither. There the coordinates decide, which are the same numbers in the frames of all faces:
+  /// a voxel is of the first axis that has the largest.
+  void share_borders(const Slice& across, const Slice& down, const Slice& depth, const Slice& u,
+                     const Slice& v, std::array<std::int32_t, kSlice>& pixel) const {
+    constexpr float kClose = 1e-4F;  // beside rounding
+    int close = 0;
+    for (std::size_t i = 0; i < kSlice; ++i) {
+      const float near = kClose * std::abs(depth[i]);
+      close |= int(std::abs(std::abs(across[i]) - depth[i]) <= near) |
+               int(std::abs(std::abs(down[i]) - depth[i]) <= near);
+    }
+    if (close == 0) return;
+    // Whether the other axis comes first.
+    const bool across_wins = view_.cube_axis == 2, down_wins = view_.cube_axis > 0;
+    for (std::size_t i = 0; i < kSlice; ++i) {
+      const float x = std::abs(across[i]), y = std::abs(down[i]), face = depth[i];
+      const bool mine = face > kNearPlane && (across_wins ? x < face : x <= face) &&
+                        (down_wins ? y < face : y <= face);
+      pixel[i] = mine ? static_cast<std::int32_t>(v[i] + 0.5F) * view_.width +
+                            static_cast<std::int32_t>(u[i] + 0.5F)
+                      : static_cast<std::int32_t>(view_.pixels());
+    }
+  }
   /// Interpolates between the four pixels around, where they show one surface, and turns the
   /// distance along the ray into the distance to the surface's tangent plane. Beside a jump of
   /// depth the nearest pixel's own surface is continued, so that edges are not smeared.
