@@ -5,6 +5,7 @@
 #include <surfleet/allocation/fwd.hpp>
 
 #include <surfleet/allocation/assignment.hpp>
+#include <surfleet/allocation/cheapest_insertion.hpp>
 #include <surfleet/allocation/cluster_graph.hpp>
 #include <surfleet/allocation/cost_matrix.hpp>
 #include <surfleet/allocation/exact_tour.hpp>

@@ -22,6 +22,7 @@
 
 #include "check.hpp"
 #include "paint_states.hpp"
+#include "still_mission.hpp"
 
 namespace {
 using namespace surfleet;
@@ -329,43 +330,6 @@ TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
   CHECK(remembered * 2 < anew);  // what cannot be reached is always asked about
 }
 
-/// All that a planner is asked with, of a map that stands still.
-struct StillMission {
-  StillMission(const TsdfMap& map, const FreeSpaceOptions& body, PinholeCamera c, const Box3& box)
-      : states(map), free(states, body), camera(c), region(box) {
-    incomplete.update(states);
-    work = incomplete.elements();
-  }
-  StillMission(const StillMission&) = delete;
-  StillMission& operator=(const StillMission&) = delete;
-
-  PlanRequest request(std::span<const RobotRequest> robots) {
-    return {.work = work,
-            .incomplete = incomplete,
-            .known = states,
-            .observed = states,
-            .ledger = ledger,
-            .free_space = free,
-            .roadmap = roadmap,
-            .camera = camera,
-            .T_body_camera = mount,
-            .headings = headings,
-            .region = region,
-            .robots = robots};
-  }
-
-  const VoxelStateMap states;
-  const FreeSpace free;
-  LazyPrmStar roadmap{free};
-  IncompleteSurface incomplete;
-  std::vector<IncompleteElement> work;
-  const PinholeCamera camera;
-  const Pose mount = forward_camera_mount();
-  const HeadingTable headings{camera, mount};
-  const LookLedger ledger;
-  const Box3 region;
-};
-
 TEST(nobody_is_sent_where_he_cannot_get) {
   constexpr double kVoxel = 0.3;
   TsdfMap map({.voxel_size = kVoxel});
@@ -476,33 +440,6 @@ TEST(flights_by_rate_end_where_the_roadmap_leads) {
     }
     ++stops;
   }
-}
-
-TEST(one_drone_climbs_where_that_is_worth_coming_back) {
-  // Two boxes with something behind them: one above, the other farther off but level.
-  TsdfMap map({.voxel_size = 0.3});
-  const VoxelIndex level(16, 0, 0), above(3, 0, 10);
-  map_test::paint(map, {-24, -16, -12}, {24, 16, 16}, [&](const VoxelIndex& v) {
-    for (const VoxelIndex& box : {level, above}) {
-      const VoxelIndex d = v - box;
-      if (d.cwiseAbs().maxCoeff() <= 1)
-        return d.x() > 0 ? VoxelState::unknown : VoxelState::occupied;
-    }
-    return VoxelState::empty;
-  });
-  const Box3 region(Point3(-6.0, -4.0, -3.0), Point3(6.5, 4.0, 4.5));
-  StillMission still(map, {.radius = 0.2, .bounds = region, .margin = 0.1},
-                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
-  const auto first_stop = [&](double climb_cost, std::size_t robots) {
-    RatePlannerOptions options;
-    options.lone_climb_cost = climb_cost;
-    const std::vector<RobotRequest> all(robots, {{Point3(0.1, 0.1, 0.1), 0.0}, true, {}});
-    return RatePlanner(options)(still.request(all)).routes[0]->at(0).configuration.position;
-  };
-  CHECK(first_stop(0.0, 1).z() > 1.5);
-  CHECK(first_stop(3.0, 1).z() < 1.0);
-  CHECK(first_stop(3.0, 1).x() > 2.0);
-  CHECK(first_stop(3.0, 2) == first_stop(0.0, 2));
 }
 
 /// Sends all to one place, at the rate and for the look it is told.

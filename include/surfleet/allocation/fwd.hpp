@@ -5,6 +5,7 @@
 namespace surfleet {
 struct AlreadyAssigned;
 struct Assignment;
+class CheapestInsertion;
 class CostMatrix;
 struct ExactTour;
 struct ExponentialUtility;

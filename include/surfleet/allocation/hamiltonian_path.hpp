@@ -28,4 +28,12 @@ HamiltonianPath shortest_hamiltonian_path(const CostMatrix& lengths, int start,
   Tour tour = lengths.size() <= 8 ? ExactTour{}(problem) : solver(problem);
   return {std::move(tour.order), tour.length};
 }
+/// The same from node 0 for lengths that are told by `length(i, j)`, i > j, and alike both ways.
+template <TourSolver Solver = ThreeOpt, typename Length>
+HamiltonianPath shortest_hamiltonian_path(int nodes, Length&& length, const Solver& solver = {}) {
+  CostMatrix lengths(nodes);
+  for (int i = 0; i < nodes; ++i)
+    for (int j = 0; j < i; ++j) lengths(i, j) = lengths(j, i) = length(i, j);
+  return shortest_hamiltonian_path(lengths, 0, solver);
+}
 }  // namespace surfleet

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/allocation/cheapest_insertion.hpp>
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/lin_kernighan.hpp>
 #include <surfleet/core/error.hpp>
@@ -166,9 +167,10 @@ class CoverageTourPlanner {
     std::vector<double> legs;
     for (std::size_t k = 0; k < stops_.size(); ++k) legs.push_back(distance(site(k), site(k + 1)));
     std::vector<double> gain(candidates_.size(), std::numeric_limits<double>::infinity());
-    std::vector<Detour> detour(candidates_.size());
-    for (std::size_t c = 0; c < candidates_.size(); ++c)
-      for (std::size_t k = 0; k <= stops_.size(); ++k) shorten(detour[c], c, k, legs);
+    const auto straight = [&](std::size_t k, std::size_t c) {
+      return (sites_[candidates_[c].site] - place(k)).norm();
+    };
+    CheapestInsertion detour(candidates_.size(), legs, straight);
     while (seen < goal_) {
       double best_rate = 0.0;
       std::size_t best = candidates_.size();
@@ -194,30 +196,8 @@ class CoverageTourPlanner {
       seen += gain[best];
       legs.insert(legs.begin() + static_cast<std::ptrdiff_t>(k), distance(site(k), site(k + 1)));
       if (!at_end) legs[k + 1] = distance(site(k + 1), site(k + 2));
-      for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        Detour& d = detour[c];
-        if (d.leg == k) {  // the leg that was taken apart
-          d = {};
-          for (std::size_t l = 0; l <= stops_.size(); ++l) shorten(d, c, l, legs);
-          continue;
-        }
-        if (d.leg > k) ++d.leg;
-        shorten(d, c, k, legs);
-        shorten(d, c, k + 1, legs);
-      }
+      detour.inserted(k, legs, straight);
     }
-  }
-  /// Where a candidate costs least, by straight lines.
-  struct Detour {
-    double extra = std::numeric_limits<double>::infinity();  // [m]
-    std::size_t leg = 0;                                     // before the stop of this index
-  };
-  void shorten(Detour& d, std::size_t candidate, std::size_t k,
-               std::span<const double> legs) const {
-    const Point3& p = sites_[candidates_[candidate].site];
-    double extra = (p - place(k)).norm();
-    if (k < stops_.size()) extra += (place(k + 1) - p).norm() - legs[k];
-    if (extra < d.extra) d = {extra, k};
   }
   double gain_of(std::size_t candidate) const {
     double gain = 0.0;

@@ -82,8 +82,17 @@ class FlightLattice {
                    [&](const VoxelIndex& c) { nodes_[index(c)] = {}; });
   }
 
+  /// Whether the body is free at a node of the lattice. O(1) from the second time on.
+  bool is_free(const VoxelIndex& c) { return is_free(c, index(c)); }
+
   /// Says that there is no way but along the lattice.
   struct LatticeOnly {};
+  /// Says that a step costs its length.
+  struct StepLength {
+    double operator()(const Point3& /*from*/, const VoxelIndex& /*to*/, double length) const {
+      return length;
+    }
+  };
 
   /// Calls `visit(const Site&)` for the reachable nodes in the order of their distance from
   /// `start` until it returns false. O(visited · log visited).
@@ -91,8 +100,11 @@ class FlightLattice {
   /// When that is done, goes on beyond passages too narrow for the lattice, if told of ways there:
   /// `ways(std::span<const Point3>)` gives the lengths of the ways from `start` to the free nodes
   /// that were not met, infinite where there is none [m]. It is called once at most.
-  template <typename Visit, typename Ways = LatticeOnly>
-  void search(const Point3& start, Visit&& visit, Ways&& ways = {}) {
+  ///
+  /// `cost(from, to, length)` says what a step between neighbours counts as, its length or more
+  /// [m].
+  template <typename Visit, typename Ways = LatticeOnly, typename Cost = StepLength>
+  void search(const Point3& start, Visit&& visit, Ways&& ways = {}, Cost&& cost = {}) {
     struct Entry {
       double distance;
       std::size_t index;
@@ -103,6 +115,7 @@ class FlightLattice {
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
     std::vector<float> best(size(), std::numeric_limits<float>::infinity());
     std::vector<std::uint8_t> closed(size(), 0);
+    came_by_.assign(size(), kSelf);
     const auto inside = [&](const VoxelIndex& c) {
       return (c.array() >= 0).all() && (c.array() < count_.array()).all();
     };
@@ -117,7 +130,7 @@ class FlightLattice {
             const std::size_t i = index(c);
             const Point3 p = position(c);
             if (!is_free(c, i) || !free_->is_free_segment(start, p)) continue;
-            const double d = (p - start).norm();
+            const double d = cost(start, c, (p - start).norm());
             best[i] = static_cast<float>(d);
             open.push({d, i});
           }
@@ -133,11 +146,14 @@ class FlightLattice {
           const VoxelIndex c = cell + step.cells;
           if (!inside(c)) continue;
           const std::size_t i = index(c);
-          const double d = e.distance + spacing_ * step.length;
-          if (closed[i] != 0 || static_cast<float>(d) >= best[i] || !is_free(c, i) ||
+          const double length = spacing_ * step.length;
+          if (closed[i] != 0 || static_cast<float>(e.distance + length) >= best[i]) continue;
+          const double d = e.distance + cost(position(cell), c, length);
+          if (static_cast<float>(d) >= best[i] || !is_free(c, i) ||
               !is_free_edge(cell, e.index, c, step.direction))
             continue;
           best[i] = static_cast<float>(d);
+          came_by_[i] = static_cast<std::uint8_t>(step.direction);
           open.push({d, i});
         }
       }
@@ -164,8 +180,20 @@ class FlightLattice {
       expand();
     }
   }
+  /// The nodes by which the last search came to a node it visited, from where it entered the
+  /// lattice to the node itself.
+  std::vector<VoxelIndex> way_to(VoxelIndex c) const {
+    std::vector<VoxelIndex> way{c};
+    for (int by = came_by_[index(c)]; by != kSelf; by = came_by_[index(c)]) {
+      c -= VoxelIndex(by % 3 - 1, by / 3 % 3 - 1, by / 9 - 1);
+      way.push_back(c);
+    }
+    std::reverse(way.begin(), way.end());
+    return way;
+  }
 
  private:
+  static constexpr int kSelf = 13;  // the middle one of 27 directions
   struct Step {
     VoxelIndex cells;
     double length;  // [spacings]
@@ -179,7 +207,6 @@ class FlightLattice {
   struct Node {
     std::uint32_t judged = 0, free = 0;
   };
-  static constexpr int kSelf = 13;  // the middle one of 27 directions
   template <typename Ask>
   bool verdict(std::size_t i, int bit, Ask&& ask) {
     Node& n = nodes_[i];
@@ -204,5 +231,6 @@ class FlightLattice {
   Point3 origin_ = Point3::Zero();
   std::vector<Step> steps_;
   std::vector<Node> nodes_;
+  std::vector<std::uint8_t> came_by_;  // the last search's step to each node; kSelf: none
 };
 }  // namespace surfleet

@@ -9,15 +9,19 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/look_bound.hpp>
+#include <surfleet/fleet/opening_look.hpp>
+#include <surfleet/fleet/optimistic_lattice.hpp>
 #include <surfleet/fleet/plan.hpp>
 #include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/fleet/team_flights.hpp>
+#include <surfleet/fleet/tour_ahead.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
 #include <surfleet/fleet/worth_around.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
@@ -27,9 +31,6 @@ namespace surfleet {
 struct RatePlannerOptions {
   double stop_share = 0.125;  ///< What a stop costs beside its flight, over the range.
   double turn_cost = 0.1;     ///< What turning costs [m/rad].
-  /// What a metre gained in height costs one drone beside its length: what it leaves below it has
-  /// to come back for. Nothing in a team, where others are below.
-  double lone_climb_cost = 1.0;
   /// What it costs, over the range, to meet a teammate on the way: one of them has to wait.
   double meeting_share = 0.6;
   double spacing_share = 0.15;    ///< Lattice spacing over the camera's range.
@@ -51,13 +52,22 @@ struct RatePlannerOptions {
   /// that.
   double climb_space_full = 0.8, climb_space_most = 4.0, climb_height = 4.0;
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
-  int stops = 2;              ///< Stops planned ahead for each robot.
+  int stops = 2;              ///< Stops given out to each robot at a time.
+  /// Stops that one drone alone plans ahead, in space that it takes for free where it is unknown;
+  /// 0: it looks no farther than each of a team does.
+  int ahead = 10;
+  /// So far off, over the range, every node of the lattice may be one of these stops, beyond it
+  /// every other one along each axis.
+  double ahead_fine = 1.0;
+  double ahead_reach = 8.0;       ///< So far off they may be at the most, over the range.
+  OptimisticLatticeOptions ways;  ///< What ways there cost that are not known.
+  double unknown_worth = 0.8;     ///< Worth of a look from unknown space beside one from known.
   /// What one look is thought to see at the most of the worth around a place: where that much would
   /// not pay for the way, no look is tried. 1 makes the search exact.
   double view_share = 0.25;
 };
 
-/// Greedy flights by marginal rate.
+/// Flights by marginal rate.
 ///
 /// What is worth seeing is the incomplete surface, the surface predicted to go on behind it, and
 /// for the little that it may hide the unseen space of the region. A stop is a node of the flight
@@ -68,8 +78,13 @@ struct RatePlannerOptions {
 /// commits to a tour over what is known, this one is paid for by what the next flight will
 /// discover. What was looked at in vain once, it leaves to others; and where a robot has just
 /// looked it does not look again for what that look has left, were it the best there is. As most
-/// goals change under way, robots turn into new routes in flight. It remembers what it has seen of
-/// the map: one planner for one mission.
+/// goals change under way, robots turn into new routes in flight.
+///
+/// One drone alone has to see to it all, so what it passes by it comes back for: it plans a tour of
+/// stops by worth per metre inserted, in space that is known or may be free, and begins it. Where
+/// the way to the first stop is not known, it flies to the look that opens most of it.
+///
+/// It remembers what it has seen of the map: one planner for one mission.
 class RatePlanner {
  public:
   RatePlannerOptions options;
@@ -117,6 +132,14 @@ class RatePlanner {
       }
     }
     last_rate_ = 0.0;
+    if (options.ahead > 0 && !request.is_team() && !waiting.empty()) {
+      auto [route, rate] = begin_tour(search, done);
+      if (!route.empty()) {
+        result.routes[0] = std::move(route);
+        last_rate_ = rate;
+        waiting.clear();
+      }
+    }
     while (!waiting.empty()) {
       std::optional<Candidate> best;
       std::size_t who = 0;
@@ -253,7 +276,11 @@ class RatePlanner {
   template <typename GoOn>
   static void look(const SightTargets<>& targets, const Point3& position, View& view,
                    GoOn&& go_on) {
-    MapSight sees = targets.sight();
+    look(targets, targets.sight(), position, view, std::forward<GoOn>(go_on));
+  }
+  template <typename GoOn>
+  static void look(const SightTargets<>& targets, MapSight sees, const Point3& position, View& view,
+                   GoOn&& go_on) {
     std::size_t next = view.in_sight;
     for (bool on = true; on && next < view.seen.size(); ++next) {
       const Sighting& s = view.seen[next];
@@ -309,7 +336,6 @@ class RatePlanner {
     for (int k = 0; k < kHeadings; ++k)
       turn[static_cast<std::size_t>(k)] =
           options.turn_cost * std::abs(wrap_angle(heading_angle(k) - from.yaw));
-    const double climb_cost = s.request.is_team() ? 0.0 : options.lone_climb_cost;
     const auto beats = [&](double worth, double cost) {
       return !best || worth > best->rate * cost;
     };
@@ -319,9 +345,9 @@ class RatePlanner {
       return false;
     };
     const auto visit = [&](const auto& site) {
-      const double level_cost = site.distance + stop_cost;  // of no later site it is less
-      if (!beats(options.view_share * s.around.largest(), level_cost)) return false;
-      double cost = level_cost + climb_cost * std::max(0.0, site.position.z() - from.position.z());
+      const double least_cost = site.distance + stop_cost;  // of no later site it is less
+      if (!beats(options.view_share * s.around.largest(), least_cost)) return false;
+      double cost = least_cost;
       if (flights.meet({from.position, site.position}))
         cost += options.meeting_share * s.request.camera.max_range;
       const auto could_be_best = [&] {
@@ -374,6 +400,124 @@ class RatePlanner {
     return best;
   }
 
+  /// What the places of a tour ahead would show, each looked from when it is first asked for.
+  class LooksAhead {
+   public:
+    struct Place {
+      VoxelIndex cell;
+      bool known = true;  // to be free
+    };
+
+    LooksAhead(RatePlanner& planner, const Search& search, std::span<const char> done)
+        : planner_(&planner), search_(&search), done_(done.begin(), done.end()) {}
+    void add(const Place& place) { places_.push_back({place, search_->lattice.index(place.cell)}); }
+    const Place& operator[](std::size_t s) const { return places_[s].place; }
+
+    double look(std::size_t s, double enough, WorthByHeading& worth) {
+      State& at = places_[s];
+      const auto shared = [&](const WorthByHeading& most) {
+        return share(at) * *std::max_element(most.begin(), most.end());
+      };
+      const Point3 position = search_->lattice.position(at.place.cell);
+      if (!at.looked) {
+        const double any = share(at) * search_->most.at_any_heading(at.place.cell);
+        if (any <= enough) return any;
+        if (const double most = shared(search_->most(at.place.cell)); most <= enough) return most;
+      }
+      View& view = view_of(at);
+      worth = worth_by_heading(search_->targets, view.seen, done_);
+      if (const double most = shared(worth); most <= enough) return most;
+      if (!at.looked) {
+        MapSight sees = search_->targets.sight();
+        if (!at.place.known) sees.look_through_unknown();
+        RatePlanner::look(search_->targets, sees, position, view,
+                          [](const Sighting&) { return true; });
+        at.looked = true;
+        worth = worth_by_heading(search_->targets, view.seen, done_);
+      }
+      for (std::size_t k = 0; k < kHeadings; ++k) {
+        worth[k] = planner_->is_vain(at.id, k, worth[k]) ? 0.0 : share(at) * worth[k];
+        if (!taken_) planner_->broadest_ = std::max(planner_->broadest_, worth[k]);
+      }
+      return *std::max_element(worth.begin(), worth.end());
+    }
+    void take(std::size_t s, int heading) {
+      mark_in_view(view_of(places_[s]).seen, heading, done_, [](std::size_t) {});
+      taken_ = true;
+    }
+
+   private:
+    struct State {
+      Place place;
+      std::size_t id;
+      bool looked = false;
+    };
+    double share(const State& at) const {
+      return at.place.known ? 1.0 : planner_->options.unknown_worth;
+    }
+    View& view_of(const State& at) {
+      return planner_->view_from(search_->targets, at.id, search_->lattice.position(at.place.cell));
+    }
+
+    RatePlanner* planner_;
+    const Search* search_;
+    std::vector<char> done_;
+    std::vector<State> places_;
+    bool taken_ = false;
+  };
+
+  /// The first stops of a tour ahead for one drone, or the look that opens the way there, and the
+  /// best rate on that tour.
+  std::pair<Stops, double> begin_tour(const Search& s, std::vector<char>& done) {
+    const PlanRequest& request = s.request;
+    const double range = request.camera.max_range;
+    const Configuration& from = request.robots.front().configuration;
+    const Point3 start = request.free_space.free_start(from.position);
+    const LazyPrmStar::Reach reach = request.roadmap.reach_from(start);
+    optimistic_.options = options.ways;
+    optimistic_.follow(request.free_space, s.lattice.spacing());
+    LooksAhead looks(*this, s, done);
+    std::vector<TourSite> sites;
+    optimistic_.search(start, s.lattice, [&](const auto& site, bool known) {
+      if (site.distance > options.ahead_reach * range) return false;
+      const bool coarse = ((site.cell.x() | site.cell.y() | site.cell.z()) & 1) == 0;
+      if ((coarse || site.distance <= options.ahead_fine * range) &&
+          s.most.at_any_heading(site.cell) > 0.0 && (!known || reach(site.position))) {
+        looks.add({site.cell, known});
+        sites.push_back({site.position, site.distance});
+      }
+      return true;
+    });
+    const std::vector<TourAheadStop> tour = tour_ahead(from, sites, looks,
+                                                       {.stops = options.ahead,
+                                                        .stop_cost = options.stop_share * range,
+                                                        .turn_cost = options.turn_cost});
+    Stops route;
+    if (tour.empty()) return {};
+    double rate = 0.0;
+    for (const TourAheadStop& stop : tour) rate = std::max(rate, stop.rate);
+    if (const auto& first = looks[tour.front().site]; !first.known) {
+      std::vector<Point3> way{start};
+      for (const VoxelIndex& c : optimistic_.way_to(first.cell)) {
+        if (way.size() == 1 && s.lattice.is_free(c)) way.clear();
+        way.push_back(s.lattice.position(c));
+      }
+      if (auto look = opening_(request, s.lattice, reach, from, start, way)) route.push_back(*look);
+      return {std::move(route), rate};
+    }
+    for (const TourAheadStop& stop : tour) {
+      const auto& place = looks[stop.site];
+      if (!place.known || route.size() == static_cast<std::size_t>(options.stops)) break;
+      route.push_back(make_stop(request,
+                                {{sites[stop.site].position, heading_angle(stop.heading)},
+                                 stop.rate,
+                                 s.lattice.index(place.cell),
+                                 stop.heading},
+                                done));
+    }
+    return {std::move(route), rate};
+  }
+
   /// Marks what the stop sees and names the incomplete elements among it.
   Stop make_stop(const PlanRequest& request, const Candidate& c, std::vector<char>& done) {
     Stop stop{c.configuration, {}};
@@ -385,6 +529,8 @@ class RatePlanner {
     return stop;
   }
 
+  OptimisticLattice optimistic_;
+  OpeningLooks opening_;
   std::optional<FlightLattice<FreeSpace>> lattice_;
   std::uint64_t followed_ = 0;  // revision of its space
   std::unordered_map<std::size_t, View> sites_;

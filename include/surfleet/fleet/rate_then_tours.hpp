@@ -30,7 +30,7 @@ class RateThenTours {
   First first;
   Then then;
   /// Of the mean rate: in a team some have nothing good left long before the others.
-  double team_share = 0.4, lone_share = 0.2;
+  double team_share = 0.4, lone_share = 0.1;
   double broad = 0.3;  ///< Share of the broadest look of the mission that still counts as broad.
   /// Once tours have begun, nobody in a team leaves his for what is farther off than this, over the
   /// range: those who are there will have seen it by then.

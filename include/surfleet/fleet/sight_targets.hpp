@@ -135,19 +135,23 @@ concept TargetSight = std::copy_constructible<S> &&
 class MapSight {
  public:
   explicit MapSight(const VoxelStateMap& map) : map_(&map), states_(map) {}
+  /// From now on unknown voxels are taken for empty, whatever targets say.
+  void look_through_unknown() { through_unknown_ = true; }
   bool operator()(const Point3& p, const SightTarget& t) {
     const VoxelIndex goal = map_->grid().index_of(t.position);
     int unknown = 0;
     return traverse_voxels(p, t.position, map_->voxel_size(), [&](const VoxelIndex& v) {
       if (v == goal) return true;
       const VoxelState s = states_(v);
-      return s == VoxelState::empty || (s == VoxelState::unknown && ++unknown <= t.unknown_before);
+      return s == VoxelState::empty ||
+             (s == VoxelState::unknown && (through_unknown_ || ++unknown <= t.unknown_before));
     });
   }
 
  private:
   const VoxelStateMap* map_;
   VoxelStateMap::Accessor states_;
+  bool through_unknown_ = false;
 };
 
 /// Sight past triangles that are known. A ray cast each.

@@ -244,11 +244,9 @@ class TourPlanner {
     const auto place = [&](int i) -> const Configuration& {
       return i == 0 ? start : route[static_cast<std::size_t>(i - 1)].configuration;
     };
-    CostMatrix costs(n);
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < i; ++j) costs(i, j) = costs(j, i) = options.cost(place(i), place(j));
+    const auto cost = [&](int i, int j) { return options.cost(place(i), place(j)); };
     Stops ordered;
-    for (const int i : shortest_hamiltonian_path(costs, 0, LinKernighan{}).order)
+    for (const int i : shortest_hamiltonian_path(n, cost, LinKernighan{}).order)
       if (i > 0) ordered.push_back(std::move(route[static_cast<std::size_t>(i - 1)]));
     route = std::move(ordered);
   }

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
-#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/fleet/space_look.hpp>
 
 namespace surfleet {
 struct SpaceLooksOptions {
@@ -60,50 +58,27 @@ class WithSpaceLooks {
   std::size_t looks() const { return count_; }
 
  private:
-  using Cell = VoxelKey;  // of two voxels each way
+  using Cell = SpaceCells::Cell;
 
   void send(const PlanRequest& request, PlanResult& result) {
-    std::vector<Cell> cells;
-    std::vector<SightTarget> wanted;
-    for (const Cell& c : space_wanted(request, result)) {
-      if (const auto it = looks_.find(c); it != looks_.end() && it->second >= options.max_looks)
-        continue;
-      cells.push_back(c);
-      wanted.push_back({center(request, c), Eigen::Vector3d::Zero(), 1.0, kDepth});
-    }
+    looks_.max_looks = options.max_looks;
+    std::vector<SpaceLooks::Wanted> wanted;
+    for (const Cell& c : space_wanted(request, result))
+      if (!looks_.given_up(c)) wanted.push_back({c});
     if (wanted.empty()) return;
     const double least = std::max(1, options.least_cells);
     const double range = request.camera.max_range;
-    const SightTargets targets(std::move(wanted), MapSight(request.observed), request.headings,
-                               {.max_distance = options.sight_share * range});
     const FreeSpace& space = request.free_space;
     FlightLattice<FreeSpace> lattice(space, space.options().bounds, options.spacing_share * range);
-    std::map<std::size_t, std::vector<Sighting>> seen;  // by site
-    std::vector<char> done(targets.size(), 0);
+    SpaceLooks::Search search(looks_, lattice, std::move(wanted), request.observed,
+                              request.headings, options.sight_share * range);
     for (std::size_t r = 0; r < request.robots.size(); ++r) {
-      std::optional<Stop> best;
-      std::size_t best_site = 0;
-      double best_rate = 0.0;
-      lattice.search(space.free_start(request.robots[r].configuration.position),
-                     [&](const auto& site) {
-                       const double cost = site.distance + options.stop_cost;
-                       if (static_cast<double>(targets.size()) <= best_rate * cost) return false;
-                       const std::size_t id = lattice.index(site.cell);
-                       const auto [it, fresh] = seen.try_emplace(id);
-                       if (fresh) it->second = targets.seen_from(site.position);
-                       const auto worth = worth_by_heading(targets, it->second, done);
-                       for (std::size_t k = 0; k < kHeadings; ++k)
-                         if (worth[k] >= least && worth[k] > best_rate * cost) {
-                           best_rate = worth[k] / cost;
-                           best = Stop{{site.position, heading_angle(static_cast<int>(k))}, {}};
-                           best_site = id;
-                         }
-                       return true;
-                     });
-      if (!best) continue;
-      mark_in_view(seen.at(best_site), nearest_heading(best->configuration.yaw), done,
-                   [&](std::size_t id) { ++looks_[cells[id]]; });
-      result.routes[r] = Stops{*best};
+      const auto look =
+          search.best(space.free_start(request.robots[r].configuration.position), {.least = least},
+                      [&](const auto& site) { return site.distance + options.stop_cost; });
+      if (!look) continue;
+      search.take(*look);
+      result.routes[r] = Stops{{look->configuration, {}}};
       ++count_;
     }
   }
@@ -117,27 +92,26 @@ class WithSpaceLooks {
     if (static_cast<double>(request.work.size()) - static_cast<double>(other.size()) <
         options.least_share * static_cast<double>(most_work_))
       return {};
-    VoxelStateMap::Accessor state(request.observed);
-    const double cell = 2.0 * request.observed.voxel_size();
+    SpaceCells space(request.observed);
+    const double body = request.free_space.required_distance();
     std::set<Cell> cells;
+    const auto add = [&](const Cell& c) { cells.insert(c); };
     for (const IncompleteElement& e : request.work) {
       if (other.contains(key_of(e.voxel))) continue;
       const Eigen::Vector3d towards = view_direction(request, e);
       for (const double share : {1.0, 0.75, 1.25}) {
         const Point3 pose = e.position + share * options.distance * towards;
         if (!request.free_space.in_bounds(pose)) continue;
-        if (!has_room(request, state, pose, cells)) continue;
+        if (!space.has_room(pose, body, add)) continue;
         // The line of sight, and the straight way there if that is what lacks.
-        for (double t = 0.0; t < share * options.distance; t += cell) {
-          const VoxelIndex c =
-              ((e.position + t * towards) / cell).array().floor().template cast<int>();
-          if (state(c * 2) == VoxelState::unknown) cells.insert(key_of(c));
+        for (double t = 0.0; t < share * options.distance; t += space.edge()) {
+          const VoxelIndex c = space.at(e.position + t * towards);
+          if (space.state(c) == VoxelState::unknown) add(key_of(c));
         }
         if (!unreachable.contains(key_of(e.voxel))) break;
         const Eigen::Vector3d way = nearest_robot(request, pose) - pose;
-        const double step = request.free_space.required_distance();
-        for (double t = step; t < way.norm(); t += step)
-          has_room(request, state, pose + way * (t / way.norm()), cells);
+        for (double t = body; t < way.norm(); t += body)
+          space.has_room(pose + way * (t / way.norm()), body, add);
         break;
       }
     }
@@ -169,37 +143,10 @@ class WithSpaceLooks {
       elevation -= std::copysign(kTurn, elevation);
     return direction();
   }
-  /// Whether nothing that is known stands in the way of a body there; if so, notes what is unknown.
-  static bool has_room(const PlanRequest& request, VoxelStateMap::Accessor& state,
-                       const Point3& pose, std::set<Cell>& unknown) {
-    const double cell = 2.0 * request.observed.voxel_size();
-    const double radius = request.free_space.required_distance();
-    const int n = static_cast<int>(std::ceil(radius / cell));
-    const VoxelIndex middle = (pose / cell).array().floor().cast<int>();
-    std::vector<Cell> found;
-    for (int z = -n; z <= n; ++z)
-      for (int y = -n; y <= n; ++y)
-        for (int x = -n; x <= n; ++x) {
-          const VoxelIndex c = middle + VoxelIndex(x, y, z);
-          const Cell key = key_of(c);
-          if ((center(request, key) - pose).norm() > radius) continue;
-          const VoxelState s = state(c * 2);
-          if (s == VoxelState::occupied) return false;
-          if (s == VoxelState::unknown) found.push_back(key);
-        }
-    unknown.insert(found.begin(), found.end());
-    return true;
-  }
-  static Point3 center(const PlanRequest& request, const Cell& c) {
-    return (Point3(c[0], c[1], c[2]) + Point3::Constant(0.25)) * 2.0 *
-           request.observed.voxel_size();
-  }
-
-  static constexpr int kDepth = 3;  ///< Unknown voxels a look at space may pass.
   static constexpr double kTurn =
       radians(5.0);  ///< Of a view's elevation, from one try to the next.
 
-  std::map<Cell, int> looks_;
+  SpaceLooks looks_;
   std::size_t count_ = 0, most_work_ = 0;
 };
 }  // namespace surfleet
