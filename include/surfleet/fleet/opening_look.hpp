@@ -30,11 +30,11 @@ class OpeningLooks {
  public:
   OpeningLookOptions options;
 
-  explicit OpeningLooks(OpeningLookOptions o = {}) : options(o) { looks_.max_looks = o.max_looks; }
+  explicit OpeningLooks(OpeningLookOptions o = {}) : options(o) {}
 
   /// A look for a robot at `from`, or beside it at `start`, which is free; not the look it has just
-  /// made. `way` begins at the last place known to be free, where the
-  /// robot could be already. Nothing if no place can be reached from which something wanted shows.
+  /// made. `way` begins at the last place known to be free, where the robot could be already.
+  /// Nothing if no place can be reached from which something wanted shows.
   std::optional<Stop> operator()(const PlanRequest& request, FlightLattice<FreeSpace>& lattice,
                                  const LazyPrmStar::Reach& reach, const Configuration& from,
                                  const Point3& start, std::span<const Point3> way) {
@@ -43,6 +43,7 @@ class OpeningLooks {
     SpaceCells cells(space.map());
     std::map<SpaceCells::Cell, double> wanted;
     double along = 0.0;
+    looks_.max_looks = options.max_looks;
     for (std::size_t k = 1; k < way.size() && along < options.ahead_share * range; ++k) {
       along += (way[k] - way[k - 1]).norm();
       cells.has_room(way[k], space.required_distance(), [&](const SpaceCells::Cell& c) {
