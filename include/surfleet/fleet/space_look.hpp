@@ -68,7 +68,6 @@ class SpaceLooks {
   };
   struct Look {
     Configuration configuration;
-    double worth = 0.0;
     std::size_t site = 0;  // of the lattice
   };
 
@@ -117,7 +116,7 @@ class SpaceLooks {
         for (std::size_t k = 0; k < kHeadings; ++k)
           if (worth[k] >= limits.least && worth[k] > best_rate * metres) {
             best_rate = worth[k] / metres;
-            best = Look{{site.position, heading_angle(static_cast<int>(k))}, worth[k], id};
+            best = Look{{site.position, heading_angle(static_cast<int>(k))}, id};
           }
         return true;
       });
