@@ -43,7 +43,9 @@ class FlightLattice {
     for_each_index(VoxelIndex::Constant(-1), VoxelIndex::Ones(), [&](const VoxelIndex& step) {
       if (step.isZero()) return;
       const int direction = (step.x() + 1) + 3 * ((step.y() + 1) + 3 * (step.z() + 1));
-      steps_.push_back({step, std::sqrt(static_cast<double>(step.squaredNorm())), direction});
+      const double length = spacing * std::sqrt(static_cast<double>(step.squaredNorm()));
+      steps_.push_back(
+          {step, spacing * step.cast<double>(), length, direction, index(step) - index({0, 0, 0})});
     });
   }
 
@@ -89,7 +91,8 @@ class FlightLattice {
   struct LatticeOnly {};
   /// Says that a step costs its length.
   struct StepLength {
-    double operator()(const Point3& /*from*/, const VoxelIndex& /*to*/, double length) const {
+    double operator()(const Eigen::Vector3d& /*step*/, const VoxelIndex& /*to*/,
+                      double length) const {
       return length;
     }
   };
@@ -101,8 +104,7 @@ class FlightLattice {
   /// `ways(std::span<const Point3>)` gives the lengths of the ways from `start` to the free nodes
   /// that were not met, infinite where there is none [m]. It is called once at most.
   ///
-  /// `cost(from, to, length)` says what a step between neighbours counts as, its length or more
-  /// [m].
+  /// `cost(step, to, length)` says what a step to a free node counts as, its length or more [m].
   template <typename Visit, typename Ways = LatticeOnly, typename Cost = StepLength>
   void search(const Point3& start, Visit&& visit, Ways&& ways = {}, Cost&& cost = {}) {
     struct Entry {
@@ -130,7 +132,7 @@ class FlightLattice {
             const std::size_t i = index(c);
             const Point3 p = position(c);
             if (!is_free(c, i) || !free_->is_free_segment(start, p)) continue;
-            const double d = cost(start, c, (p - start).norm());
+            const double d = cost(p - start, c, (p - start).norm());
             best[i] = static_cast<float>(d);
             open.push({d, i});
           }
@@ -142,15 +144,15 @@ class FlightLattice {
         closed[e.index] = 1;
         const VoxelIndex cell = cell_of(e.index);
         if (!visit(Site{cell, position(cell), e.distance})) return false;
+        const bool inner = (cell.array() > 0).all() && (cell.array() < count_.array() - 1).all();
         for (const Step& step : steps_) {
+          if (!inner && !inside(cell + step.cells)) continue;
+          const std::size_t i = e.index + step.offset;
+          if (closed[i] != 0 || static_cast<float>(e.distance + step.length) >= best[i]) continue;
           const VoxelIndex c = cell + step.cells;
-          if (!inside(c)) continue;
-          const std::size_t i = index(c);
-          const double length = spacing_ * step.length;
-          if (closed[i] != 0 || static_cast<float>(e.distance + length) >= best[i]) continue;
-          const double d = e.distance + cost(position(cell), c, length);
-          if (static_cast<float>(d) >= best[i] || !is_free(c, i) ||
-              !is_free_edge(cell, e.index, c, step.direction))
+          if (!is_free(c, i)) continue;
+          const double d = e.distance + cost(step.vector, c, step.length);
+          if (static_cast<float>(d) >= best[i] || !is_free_edge(cell, e.index, c, step.direction))
             continue;
           best[i] = static_cast<float>(d);
           came_by_[i] = static_cast<std::uint8_t>(step.direction);
@@ -196,8 +198,10 @@ class FlightLattice {
   static constexpr int kSelf = 13;  // the middle one of 27 directions
   struct Step {
     VoxelIndex cells;
-    double length;  // [spacings]
+    Eigen::Vector3d vector;  // [m]
+    double length;           // [m]
     int direction;
+    std::size_t offset;  // of the index, modulo its range
   };
   VoxelIndex cell_of(std::size_t i) const {
     const auto nx = static_cast<std::size_t>(count_.x()), ny = static_cast<std::size_t>(count_.y());

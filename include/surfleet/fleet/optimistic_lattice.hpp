@@ -62,11 +62,11 @@ class OptimisticLattice {
   /// and decides what a step costs. Call `follow` first.
   template <typename Visit>
   void search(const Point3& start, FlightLattice<FreeSpace>& known, Visit&& visit) {
-    const auto cost = [&](const Point3& from, const VoxelIndex& to, double length) {
-      if (length <= 0.0 || known.is_free(to)) return length;
-      const Eigen::Vector3d step = known.position(to) - from;
-      const double level = options.level_cost * step.head<2>().norm();
-      return std::hypot(level, options.climb_cost * step.z());
+    const auto cost = [&](const Eigen::Vector3d& step, const VoxelIndex& to, double length) {
+      if (known.is_free(to)) return length;
+      const double x = options.level_cost * step.x(), y = options.level_cost * step.y(),
+                   z = options.climb_cost * step.z();
+      return std::sqrt(x * x + y * y + z * z);
     };
     follow_->lattice.search(
         start, [&](const auto& site) { return visit(site, known.is_free(site.cell)); },
