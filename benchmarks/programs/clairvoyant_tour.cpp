@@ -6,7 +6,9 @@
 //
 // Prints one JSON object a line: the share that was asked for, the share that was seen, the share
 // that a mission on the same tour would have reported, the length.
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -25,16 +27,26 @@ namespace {
 using namespace surfleet;
 using namespace surfleet::examples;
 
-/// What a drone that flies the tour has in its map, by the mission's own probe.
+/// What a drone that flies the tour at its nominal speed, and takes images all the while, has in
+/// its map, by the mission's own probe.
 double coverage_in_map(const CoverageTour& tour, const InspectionSettings& s,
                        const InspectionSite& site, const MissionOptions& mission) {
   const DroneWorld<EmbreeRayCaster> world = site.world(s);
   TsdfIntegrator<DropOffWeight<>> integrate = mission_integrator(mission);
   TsdfMap map({.voxel_size = mission.voxel_size});
   std::uint64_t shot = 0;
-  for (const Configuration& q : tour.looks)
+  const auto look = [&](const Configuration& q) {
     integrate(world.capture(0, shot++, std::span(&q, 1)), mission.camera,
               q.pose() * mission.T_body_camera, map);
+  };
+  const double spacing = mission.limits.speed * mission.image_period;
+  Point3 at = tour.path.front();
+  for (const Configuration& q : tour.looks) {
+    const double images = std::max(1.0, std::round((q.position - at).norm() / spacing));
+    for (double k = 1.0; k < images; ++k) look({at + (q.position - at) * (k / images), q.yaw});
+    look(q);
+    at = q.position;
+  }
   return CoverageProbe(site, half_voxel_diagonal(s.voxel))(map);
 }
 
