@@ -24,7 +24,8 @@ PinholeCamera camera() {
   return PinholeCamera::from_fov(radians(90.0), radians(60.0), 90, 52, 0.5, 6.0);
 }
 
-TEST(agrees_with_brute_force) {
+/// `range` is a distance or else a depth.
+void check_by_brute_force(bool by_depth, double range) {
   const TsdfMap map = walled_room();
   const VoxelStateMap states(map);
   const PinholeCamera c = camera();
@@ -38,8 +39,9 @@ TEST(agrees_with_brute_force) {
              : Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized(),
          1.0, 0});
   const HeadingTable table(c, forward_camera_mount());
-  const SightTargets sight(targets, MapSight(states), table, {.max_distance = 5.0});
-  int borderline = 0, seen_count = 0;
+  const SightTargets sight(targets, MapSight(states), table,
+                           {.max_distance = range, .by_depth = by_depth});
+  int borderline = 0, too_deep = 0, farther = 0, seen_count = 0;
   for (int trial = 0; trial < 20; ++trial) {
     const Point3 p(random.uniform(0.5, 4.5), random.uniform(0.5, 9.5), random.uniform(0.5, 9.5));
     std::vector<std::uint16_t> headings(targets.size(), 0);
@@ -49,7 +51,7 @@ TEST(agrees_with_brute_force) {
     }
     for (std::size_t i = 0; i < targets.size(); ++i) {
       const Eigen::Vector3d d = targets[i].position - p;
-      bool clear = d.norm() <= 5.0;
+      bool clear = by_depth || d.norm() <= range;
       if (!targets[i].normal.isZero())
         clear = clear && -d.normalized().dot(targets[i].normal) >= std::cos(1.4);
       const VoxelIndex goal = map.index_of(targets[i].position);
@@ -60,8 +62,11 @@ TEST(agrees_with_brute_force) {
       for (int k = 0; k < kHeadings; ++k) {
         const Pose T = Configuration{p, heading_angle(k)}.pose() * forward_camera_mount();
         const Point3 q = T.inverse() * targets[i].position;
-        const bool expected = clear && q.z() >= c.min_range && c.project(q).has_value();
+        const bool expected = clear && q.z() >= c.min_range && (!by_depth || q.z() <= range) &&
+                              c.project(q).has_value();
         const bool got = (headings[i] >> k & 1U) != 0U;
+        too_deep += got && by_depth && q.z() > 1.03 * range ? 1 : 0;
+        farther += got && q.norm() > 1.2 * range ? 1 : 0;
         seen_count += expected ? 1 : 0;
         // Headings are tabulated by direction, so only targets near the image's edge may differ.
         if (expected != got) ++borderline;
@@ -69,7 +74,13 @@ TEST(agrees_with_brute_force) {
     }
   }
   CHECK(seen_count > 2000);
-  CHECK(borderline < seen_count / 12);
+  // By depth the last of a shell is left out, besides.
+  CHECK(borderline < seen_count / (by_depth ? 6 : 12));
+  CHECK(too_deep == 0 && (farther > 0) == by_depth);
+}
+TEST(agrees_with_brute_force) {
+  check_by_brute_force(false, 5.0);
+  check_by_brute_force(true, 4.0);
 }
 
 TEST(nothing_is_seen_through_a_wall_and_little_through_the_unknown) {

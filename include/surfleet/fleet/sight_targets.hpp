@@ -45,11 +45,17 @@ struct Sighting {
 
 /// The headings at which a mounted camera has a direction in its image, looked up in an octahedral
 /// map of directions with cells of about a degree. The camera is taken to sit where the body is:
-/// how far from its middle it is mounted is neglected. 32 KiB.
+/// how far from its middle it is mounted is neglected.
+///
+/// A camera's range is a depth, so it sees farther towards the corners of its image than ahead. The
+/// table has a map for each of some shells of distance: the s-th has the headings at which all that
+/// is no farther than `shell_end(s)` times a depth is no deeper than that. 192 KiB.
 class HeadingTable {
   static constexpr int kSide = 128;
 
  public:
+  static constexpr int kShells = 6;
+
   HeadingTable(const PinholeCamera& camera, const Pose& T_body_camera) {
     std::array<Eigen::Matrix3d, kHeadings> R_camera_world;
     for (int k = 0; k < kHeadings; ++k)
@@ -57,33 +63,40 @@ class HeadingTable {
           (Eigen::AngleAxisd(heading_angle(k), Eigen::Vector3d::UnitZ()).toRotationMatrix() *
            T_body_camera.linear())
               .transpose();
+    stretch_ = Eigen::Vector3d(std::max(camera.cx, camera.width - 1 - camera.cx) / camera.fx,
+                               std::max(camera.cy, camera.height - 1 - camera.cy) / camera.fy, 1.0)
+                   .norm();
+    nearest_ = camera.min_range * stretch_;
+    range_ = camera.max_range;
+    headings_.assign(kNowhere + 1, 0);
     for (int v = 0; v < kSide; ++v)
       for (int u = 0; u < kSide; ++u) {
         const Eigen::Vector3d d =
-            unfold((u + 0.5) * 2.0 / kSide - 1.0, (v + 0.5) * 2.0 / kSide - 1.0);
-        unsigned bits = 0;
+            unfold((u + 0.5) * 2.0 / kSide - 1.0, (v + 0.5) * 2.0 / kSide - 1.0).normalized();
         for (unsigned k = 0; k < kHeadings; ++k) {
-          if (!camera.project(R_camera_world[k] * d)) continue;
-          bits |= 1U << k;
+          const Eigen::Vector3d in_camera = R_camera_world[k] * d;
+          if (!camera.project(in_camera)) continue;
+          for (int s = 0; s < kShells; ++s)
+            if (s == 0 || shell_end(s) * in_camera.z() <= 1.0)
+              headings_[static_cast<std::size_t>(s * kCells + v * kSide + u)] |=
+                  static_cast<std::uint16_t>(1U << k);
           for (const int du : {0, 1})
             for (const int dv : {0, 1})
               directions_[k].extend(
                   unfold((u + du) * 2.0 / kSide - 1.0, (v + dv) * 2.0 / kSide - 1.0).normalized());
         }
-        headings_[static_cast<std::size_t>(v * kSide + u)] = static_cast<std::uint16_t>(bits);
       }
-    nearest_ = camera.min_range *
-               Eigen::Vector3d(std::max(camera.cx, camera.width - 1 - camera.cx) / camera.fx,
-                               std::max(camera.cy, camera.height - 1 - camera.cy) / camera.fy, 1.0)
-                   .norm();
-    range_ = camera.max_range;
   }
 
+  /// Where a shell ends, over the depth.
+  double shell_end(int shell) const {
+    return 1.0 + (stretch_ - 1.0) * shell / static_cast<double>(kShells - 1);
+  }
   /// The headings, as bits, for a direction in the world of any length; that of zero is up.
   std::uint16_t operator()(const Eigen::Vector3d& d) const {
     return (*this)[cell(d.x(), d.y(), d.z())];
   }
-  /// The headings of a cell.
+  /// The headings of a cell of the first shell; `kCells` on is that of the next.
   std::uint16_t operator[](int cell) const { return headings_[static_cast<std::size_t>(cell)]; }
   /// The cell of a direction. Without branches, so that a loop over it becomes one over vectors.
   static int cell(double x, double y, double z) {
@@ -96,12 +109,14 @@ class HeadingTable {
     const int j = std::min(kSide - 1, static_cast<int>((v + 1.0) * (0.5 * kSide)));
     return j * kSide + i;
   }
-  /// A cell without headings.
-  static constexpr int kNowhere = kSide * kSide;
+  static constexpr int kCells = kSide * kSide;       ///< Of a shell.
+  static constexpr int kNowhere = kShells * kCells;  ///< A cell without headings.
   /// The box around the unit directions at a heading, cells by their corners.
   const Box3& directions(int heading) const {
     return directions_[static_cast<std::size_t>(heading)];
   }
+  /// How far the corners of the image see, over the depth.
+  double stretch() const { return stretch_; }
   /// From this distance on, the nearest depth is kept all over the image [m].
   double nearest() const { return nearest_; }
   /// The camera's farthest depth [m].
@@ -117,9 +132,9 @@ class HeadingTable {
     return d;
   }
 
-  std::array<std::uint16_t, kNowhere + 1> headings_{};
+  std::vector<std::uint16_t> headings_;  // by shell and cell
   std::array<Box3, kHeadings> directions_;
-  double nearest_ = 0.0, range_ = 0.0;
+  double nearest_ = 0.0, range_ = 0.0, stretch_ = 1.0;
 };
 
 /// What ends a line of sight: `sees(p, target)` is true if the target shows from `p`. Copied for
@@ -173,6 +188,7 @@ class MeshSight {
 struct TargetSightOptions {
   double max_distance = 0.0;   ///< Farthest useful look [m]; 0 stands for the camera's range.
   double max_incidence = 1.4;  ///< Greatest angle between the normal and the line of sight [rad].
+  bool by_depth = false;       ///< `max_distance` is a depth, as the camera's range is.
 };
 
 /// Finds what is in view from a position, by rows of targets along x and a line of sight to each
@@ -186,8 +202,14 @@ class SightTargets {
       : targets_(std::move(targets)),
         sight_(std::move(sight)),
         headings_(&headings),
-        reach_(options.max_distance > 0.0 ? options.max_distance : headings.range()),
+        reach_((options.max_distance > 0.0 ? options.max_distance : headings.range()) *
+               (options.by_depth ? headings.stretch() : 1.0)),
         rows_({.voxel_size = reach_ / kRows}) {
+    for (int s = 0; s + 1 < HeadingTable::kShells; ++s) {
+      const double end =
+          options.by_depth ? reach_ * headings.shell_end(s) / headings.stretch() : reach_;
+      shell_ends_[static_cast<std::size_t>(s)] = end * end;
+    }
     const double least = std::cos(options.max_incidence);
     std::vector<std::uint32_t> slots;  // of the targets' rows
     slots.reserve(targets_.size());
@@ -307,8 +329,11 @@ class SightTargets {
           -(x * normal_[0][k + i] + y * normal_[1][k + i] + z * normal_[2][k + i]);
       const bool in_view = (squared <= farthest) & (squared >= nearest) &
                            (towards * std::abs(towards) >= squared * least_cosine_[k + i]);
+      int shell = 0;
+      for (const double end : shell_ends_) shell += static_cast<int>(squared > end);
       const int mask = -static_cast<int>(in_view);
-      cells[i] = (HeadingTable::cell(x, y, z) & mask) | (HeadingTable::kNowhere & ~mask);
+      cells[i] = ((shell * HeadingTable::kCells + HeadingTable::cell(x, y, z)) & mask) |
+                 (HeadingTable::kNowhere & ~mask);
     }
     return cells;
   }
@@ -317,6 +342,7 @@ class SightTargets {
   Sight sight_;
   const HeadingTable* headings_;
   double reach_;
+  std::array<double, HeadingTable::kShells - 1> shell_ends_;  // squared
   VoxelGrid<Row, 1> rows_;
   // Of the targets by row, along x:
   std::vector<std::int32_t> ids_;
