@@ -205,10 +205,9 @@ class SightTargets {
         reach_((options.max_distance > 0.0 ? options.max_distance : headings.range()) *
                (options.by_depth ? headings.stretch() : 1.0)),
         rows_({.voxel_size = reach_ / kRows}) {
-    for (int s = 0; s + 1 < HeadingTable::kShells; ++s) {
-      const double end =
-          options.by_depth ? reach_ * headings.shell_end(s) / headings.stretch() : reach_;
-      shell_ends_[static_cast<std::size_t>(s)] = end * end;
+    for (int k = 0; options.by_depth && k + 1 < HeadingTable::kShells; ++k) {
+      const double end = reach_ * headings.shell_end(k) / headings.stretch();
+      shell_ends_.push_back(end * end);
     }
     const double least = std::cos(options.max_incidence);
     std::vector<std::uint32_t> slots;  // of the targets' rows
@@ -329,20 +328,29 @@ class SightTargets {
           -(x * normal_[0][k + i] + y * normal_[1][k + i] + z * normal_[2][k + i]);
       const bool in_view = (squared <= farthest) & (squared >= nearest) &
                            (towards * std::abs(towards) >= squared * least_cosine_[k + i]);
+      const int mask = -static_cast<int>(in_view);
+      cells[i] = (HeadingTable::cell(x, y, z) & mask) | (HeadingTable::kNowhere & ~mask);
+    }
+    if (!shell_ends_.empty()) enter_shells(p, k, cells);
+    return cells;
+  }
+  /// Moves cells on to the shells that the targets are in.
+  void enter_shells(const Point3& p, std::size_t k, std::array<int, kLanes>& cells) const {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const double x = position_[0][k + i] - p.x(), y = position_[1][k + i] - p.y(),
+                   z = position_[2][k + i] - p.z();
+      const double squared = x * x + y * y + z * z;
       int shell = 0;
       for (const double end : shell_ends_) shell += static_cast<int>(squared > end);
-      const int mask = -static_cast<int>(in_view);
-      cells[i] = ((shell * HeadingTable::kCells + HeadingTable::cell(x, y, z)) & mask) |
-                 (HeadingTable::kNowhere & ~mask);
+      cells[i] = std::min(cells[i] + shell * HeadingTable::kCells, HeadingTable::kNowhere);
     }
-    return cells;
   }
 
   std::vector<SightTarget> targets_;
   Sight sight_;
   const HeadingTable* headings_;
   double reach_;
-  std::array<double, HeadingTable::kShells - 1> shell_ends_;  // squared
+  std::vector<double> shell_ends_;  // squared; none where distances count
   VoxelGrid<Row, 1> rows_;
   // Of the targets by row, along x:
   std::vector<std::int32_t> ids_;
