@@ -33,11 +33,10 @@ struct RatePlannerOptions {
   double turn_cost = 0.1;     ///< What turning costs [m/rad].
   /// What it costs, over the range, to meet a teammate on the way: one of them has to wait.
   double meeting_share = 0.6;
-  double spacing_share = 0.15;     ///< Lattice spacing over the camera's range.
-  double sight_share = 0.85;       ///< Farthest look that counts, over the camera's range.
-  double lone_sight_share = 0.97;  ///< The same for one drone alone.
-  double prediction_share = 0.6;   ///< How far surface is predicted to go on, over the range.
-  double prediction_worth = 0.6;   ///< Worth of predicted surface beside surface at hand.
+  double spacing_share = 0.15;    ///< Lattice spacing over the camera's range.
+  double sight_share = 0.85;      ///< Farthest look that counts, over the camera's range.
+  double prediction_share = 0.6;  ///< How far surface is predicted to go on, over the range.
+  double prediction_worth = 0.6;  ///< Worth of predicted surface beside surface at hand.
   /// What an element counts, in faces of a voxel: more than it shows, as left behind it costs a
   /// stop.
   double element_faces = 4.0;
@@ -99,10 +98,8 @@ class RatePlanner {
 
   PlanResult operator()(const PlanRequest& request) {
     const double range = request.camera.max_range;
-    const bool lone = options.ahead > 0 && !request.is_team();
-    const double sight = lone ? options.lone_sight_share : options.sight_share;
     const SightTargets targets(make_targets(request), MapSight(request.observed), request.headings,
-                               {.max_distance = sight * range});
+                               {.max_distance = options.sight_share * range});
     FlightLattice<FreeSpace>& lattice = follow(request.free_space, options.spacing_share * range);
     const WorthAround around(targets.all(), targets.reach());
     const LookBound most(targets.all(), lattice, request.headings, targets.reach());
@@ -135,7 +132,7 @@ class RatePlanner {
       }
     }
     last_rate_ = 0.0;
-    if (lone && !waiting.empty()) {
+    if (options.ahead > 0 && !request.is_team() && !waiting.empty()) {
       auto [route, rate] = begin_tour(search, done);
       if (!route.empty()) {
         result.routes[0] = std::move(route);
