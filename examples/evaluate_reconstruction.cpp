@@ -163,6 +163,7 @@ int evaluate_files(int argc, char** argv) {
   app.add("--seed", options.seed, "Seed of the sampling");
   app.add("--threads", options.threads, "Threads; results do not depend on it").within(1, 256);
   app.add("--out", out, "Folder for metrics.json, report.html and error.ply");
+  app.add_config_file();
   app.parse(argc, argv);
 
   const auto positive = [](double v) { return v > 0.0 && std::isfinite(v); };

@@ -330,6 +330,7 @@ int run(int argc, char** argv) {
   app.add("--defects", s.defects, "Cracks to be found in the hybrid modes").within(0, 10000);
   app.add("--max-time", s.max_time, "Stop after this much simulated time [s]").positive();
   app.add("--threads", s.threads, "Threads").within(1, 256);
+  app.add_config_file();
   app.parse(argc, argv);
 
   const auto began = std::chrono::steady_clock::now();

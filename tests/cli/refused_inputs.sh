@@ -61,6 +61,7 @@ printf '\x00\xff garbage [[[' >garbage.toml
 echo 'fov = [90, 200]' >wide.toml
 for file in misspelt.toml garbage.toml wide.toml; do
   refused drone_inspection --scene house --config $file --out out
+  refused planar_coverage --config $file --out out
 done
 # A drawing in millimetres, or of a county.
 printf 'v 0 0 0\nv 20000 0 0\nv 20000 20000 0\nv 0 20000 10\nf 1 2 3\nf 1 3 4\n' >county.obj
@@ -75,6 +76,9 @@ printf 'not a map' >garbage.sfm
 printf 'OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >triangle.off
 for file in cut.sfm garbage.sfm missing.sfm; do
   refused evaluate_reconstruction triangle.off $file --out out
+done
+for file in misspelt.toml garbage.toml; do
+  refused evaluate_reconstruction --config $file triangle.off triangle.off --out out
 done
 
 # What is refused leaves a folder that is there as it was.

@@ -40,7 +40,7 @@ void check_by_brute_force(bool by_depth, double range) {
          1.0, 0});
   const HeadingTable table(c, forward_camera_mount());
   const SightTargets sight(targets, MapSight(states), table,
-                           {.max_distance = range, .by_depth = by_depth});
+                           {.max_range = range, .by_depth = by_depth});
   int borderline = 0, too_deep = 0, farther = 0, seen_count = 0;
   for (int trial = 0; trial < 20; ++trial) {
     const Point3 p(random.uniform(0.5, 4.5), random.uniform(0.5, 9.5), random.uniform(0.5, 9.5));

@@ -37,7 +37,7 @@ struct CoverageTourOptions {
   double spacing = 1.5;        ///< Of the lattice of candidate positions [m].
   double stop_cost = 1.0;      ///< Added to a viewpoint's insertion, so that few are taken [m].
   double max_incidence = 1.4;  ///< Greatest angle between the normal and the line of sight [rad].
-  double max_distance = 0.0;   ///< Greatest depth that counts [m]; 0: the range of the camera.
+  double max_range = 0.0;      ///< Greatest depth that counts [m]; 0: the range of the camera.
   double image_spacing = 1.0;  ///< Between the looks on the way [m].
   int rounds = 3;              ///< Of dropping, re-inserting and re-ordering.
 };
@@ -67,12 +67,11 @@ class CoverageTourPlanner {
         roadmap_(roadmap),
         start_(start),
         options_(options),
-        range_(options.max_distance > 0.0 ? std::min(options.max_distance, camera.max_range)
-                                          : camera.max_range),
+        range_(options.max_range > 0.0 ? std::min(options.max_range, camera.max_range)
+                                       : camera.max_range),
         headings_(camera, T_body_camera),
-        targets_(
-            targets_of(surface), MeshSight<Caster>(caster), headings_,
-            {.max_distance = range_, .max_incidence = options.max_incidence, .by_depth = true}) {}
+        targets_(targets_of(surface), MeshSight<Caster>(caster), headings_,
+                 {.max_range = range_, .max_incidence = options.max_incidence, .by_depth = true}) {}
 
   CoverageTour plan() {
     find_candidates();

@@ -609,7 +609,7 @@ class Mission {
         near.push_back({e.frontier(options_.voxel_size), e.direction, 1.0, 2});
     if (near.empty()) return goal.yaw;
     const SightTargets targets(std::move(near), MapSight(observed_), headings_,
-                               {.max_distance = reach});
+                               {.max_range = reach});
     const std::vector<char> none(targets.size(), 0);
     const auto worth = worth_by_heading(targets, targets.seen_from(fleet_[r].position), none);
     const auto best = std::max_element(worth.begin(), worth.end());

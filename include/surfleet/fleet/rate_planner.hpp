@@ -99,7 +99,7 @@ class RatePlanner {
   PlanResult operator()(const PlanRequest& request) {
     const double range = request.camera.max_range;
     const SightTargets targets(make_targets(request), MapSight(request.observed), request.headings,
-                               {.max_distance = options.sight_share * range});
+                               {.max_range = options.sight_share * range});
     FlightLattice<FreeSpace>& lattice = follow(request.free_space, options.spacing_share * range);
     const WorthAround around(targets.all(), targets.reach());
     const LookBound most(targets.all(), lattice, request.headings, targets.reach());

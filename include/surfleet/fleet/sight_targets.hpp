@@ -186,9 +186,9 @@ class MeshSight {
 };
 
 struct TargetSightOptions {
-  double max_distance = 0.0;   ///< Farthest useful look [m]; 0 stands for the camera's range.
+  double max_range = 0.0;      ///< Farthest useful look [m]; 0 stands for the camera's range.
   double max_incidence = 1.4;  ///< Greatest angle between the normal and the line of sight [rad].
-  bool by_depth = false;       ///< `max_distance` is a depth, as the camera's range is.
+  bool by_depth = false;       ///< `max_range` is a depth, as the camera's range is.
 };
 
 /// Finds what is in view from a position, by rows of targets along x and a line of sight to each
@@ -202,7 +202,7 @@ class SightTargets {
       : targets_(std::move(targets)),
         sight_(std::move(sight)),
         headings_(&headings),
-        reach_((options.max_distance > 0.0 ? options.max_distance : headings.range()) *
+        reach_((options.max_range > 0.0 ? options.max_range : headings.range()) *
                (options.by_depth ? headings.stretch() : 1.0)),
         rows_({.voxel_size = reach_ / kRows}) {
     for (int k = 0; options.by_depth && k + 1 < HeadingTable::kShells; ++k) {

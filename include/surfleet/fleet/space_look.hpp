@@ -85,7 +85,7 @@ class SpaceLooks {
         : looks_(&looks),
           lattice_(&lattice),
           wanted_(std::move(wanted)),
-          targets_(targets_of(wanted_, map), MapSight(map), headings, {.max_distance = reach}),
+          targets_(targets_of(wanted_, map), MapSight(map), headings, {.max_range = reach}),
           done_(wanted_.size(), 0) {}
 
     struct Limits {
