@@ -73,11 +73,12 @@ class HeadingTable {
       for (int u = 0; u < kSide; ++u) {
         const Eigen::Vector3d d =
             unfold((u + 0.5) * 2.0 / kSide - 1.0, (v + 0.5) * 2.0 / kSide - 1.0);
+        const double length = d.norm();
         for (unsigned k = 0; k < kHeadings; ++k) {
           const Eigen::Vector3d in_camera = R_camera_world[k] * d;
           if (!camera.project(in_camera)) continue;
           for (int s = 0; s < kShells; ++s)
-            if (s == 0 || shell_end(s) * in_camera.z() <= d.norm())
+            if (s == 0 || shell_end(s) * in_camera.z() <= length)
               headings_[static_cast<std::size_t>(s * kCells + v * kSide + u)] |=
                   static_cast<std::uint16_t>(1U << k);
           for (const int du : {0, 1})
