@@ -6,6 +6,7 @@
 
 #include <surfleet/fleet/coverage_tour.hpp>
 #include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/fleet/left_below.hpp>
 #include <surfleet/fleet/left_reason.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/mission.hpp>

@@ -8,6 +8,7 @@
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/fleet/left_below.hpp>
 #include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
@@ -514,6 +515,64 @@ TEST(nobody_is_sent_across_a_teammate_s_flight_where_there_is_as_much_elsewhere)
   const double alone = side(1.0, 0.0);
   CHECK(alone * side(alone, 1.0) < 0.0);   // its way was across: it takes the other side
   CHECK(alone * side(-alone, 1.0) > 0.0);  // and leaves it where nobody is in the way
+}
+
+TEST(what_a_climbing_robot_leaves_below_counts_more_while_it_is_near) {
+  const double range = 5.0;
+  const LeftBelowOptions options{.most = 0.6, .peak = 0.5, .end = 1.5, .aside = 2.0};
+  const auto at = [&](double below, double off) {
+    return worth_left_below(Point3(1.0, 2.0, 30.0), Point3(1.0, 2.0 + off, 30.0 - below), range,
+                            options);
+  };
+  CHECK_NEAR(at(2.5, 0.0), 1.6, 1e-12);
+  CHECK_NEAR(at(2.5, 5.0), 1.6, 1e-12);
+  CHECK_NEAR(at(1.25, 0.0), 1.3, 1e-12);
+  CHECK_NEAR(at(5.0, 0.0), 1.3, 1e-12);
+  CHECK_NEAR(at(2.5, 7.5), 1.3, 1e-12);
+  for (const auto& [below, off] :
+       {std::pair{0.0, 0.0}, {-2.5, 0.0}, {7.5, 0.0}, {30.0, 0.0}, {2.5, 10.0}, {2.5, 40.0}})
+    CHECK(at(below, off) == 1.0);
+  Random random(5);
+  for (int i = 0; i < 1000; ++i) {
+    const double below = random.uniform(-10, 20), off = random.uniform(0, 20);
+    const double step = random.uniform(0.0, 0.1);
+    CHECK(at(below, off) >= 1.0 && at(below, off) <= 1.6);
+    CHECK(std::abs(at(below + step, off) - at(below, off)) <= 0.6 * step / 2.5 + 1e-12);
+    CHECK(std::abs(at(below, off + step) - at(below, off)) <= 0.6 * step / 5.0 + 1e-12);
+  }
+  LeftBelowOptions none = options;
+  none.most = 0.0;
+  CHECK(worth_left_below(Point3(0, 0, 2), Point3::Zero(), range, none) == 1.0);
+  none.end = none.peak;
+  CHECK_THROWS(Error, worth_left_below(Point3(0, 0, 2), Point3::Zero(), range, none));
+}
+
+TEST(one_drone_in_a_high_region_looks_at_what_is_below_first) {
+  // Two boxes alike with something behind them, one a little nearer above, one below.
+  TsdfMap map({.voxel_size = 0.3});
+  map_test::paint(map, {-12, -12, -24}, {12, 24, 24}, [&](const VoxelIndex& v) {
+    for (const int z : {-6, 5}) {
+      const VoxelIndex d = v - VoxelIndex(0, 8, z);
+      if (d.cwiseAbs().maxCoeff() <= 1)
+        return d.y() > 0 ? VoxelState::unknown : VoxelState::occupied;
+    }
+    return VoxelState::empty;
+  });
+  const auto height_of_first = [&](double half_height, int robots, double most) {
+    const Box3 region(Point3(-3.0, -3.0, -half_height), Point3(3.0, 6.0, half_height));
+    StillMission still(map, {.radius = 0.4, .bounds = region, .margin = 0.1},
+                       PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
+    RatePlannerOptions options;
+    options.ahead = 1;
+    options.left_below.most = most;
+    std::vector<RobotRequest> team{{{Point3(0.05, 0.05, 0.2), 0.0}, true, {}}};
+    if (robots == 2) team.push_back({{Point3(2.0, -2.0, 0.2), 0.0}, false, {}});
+    return RatePlanner(options)(still.request(team)).routes[0]->at(0).configuration.position.z();
+  };
+  CHECK(height_of_first(6.0, 1, 0.0) > 0.2);
+  CHECK(height_of_first(6.0, 1, 0.6) < 0.2);
+  CHECK(height_of_first(3.0, 1, 0.6) > 0.2);  // not so high
+  CHECK(height_of_first(6.0, 2, 0.6) > 0.2);  // not alone
 }
 
 TEST(closest_approach_matches_sampling) {

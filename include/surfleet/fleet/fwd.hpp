@@ -10,6 +10,7 @@ struct CoverageTour;
 struct CoverageTourOptions;
 class HeadingTable;
 struct KnownSurface;
+struct LeftBelowOptions;
 enum class LeftReason : std::uint8_t;
 class LookBound;
 class LookLedger;

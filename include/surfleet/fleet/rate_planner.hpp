@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/fleet/left_below.hpp>
 #include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/opening_look.hpp>
 #include <surfleet/fleet/optimistic_lattice.hpp>
@@ -46,11 +47,15 @@ struct RatePlannerOptions {
   double space_worth = 0.5;
   double space_near = 0.6;  ///< So near is not far, over the range.
   double space_full = 0.3;  ///< Surface near by that makes it count fully, over the range squared.
-  /// The same for a team where the region is higher than `climb_height` times the range, and how
-  /// many times the full worth it may be there at the most: a level camera opens the space above
-  /// but slowly, and where robots can fly only what was seen empty, the team is no faster than
-  /// that.
-  double climb_space_full = 0.8, climb_space_most = 4.0, climb_height = 4.0;
+  double climb_height = 4.0;  ///< A region so many times as high as the range has to be climbed.
+  /// Such a region, by a team: how much surface makes unseen space count fully, and how many times
+  /// its full worth that may be at the most. A level camera opens the space above but slowly, and
+  /// where robots can fly only what was seen empty, the team is no faster than that.
+  double climb_space_full = 0.8, climb_space_most = 4.0;
+  /// Such a region, by one drone alone: how far surface is predicted to go on, over the range, as
+  /// what stands so high goes on upward; and what it leaves below, as nobody else comes by.
+  double climb_prediction_share = 1.0;
+  LeftBelowOptions left_below;
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
   int stops = 2;              ///< Stops given out to each robot at a time.
   /// Stops that one drone alone plans ahead, in space that it takes for free where it is unknown;
@@ -216,20 +221,28 @@ class RatePlanner {
       targets[it->second].worth += options.element_faces * voxel * voxel;
       members_[it->second].push_back(static_cast<std::int32_t>(i));
     }
-    const double reach = options.prediction_share * request.camera.max_range;
+    const double range = request.camera.max_range;
+    const bool climb = request.relative_height() > options.climb_height;
+    const bool climb_alone = climb && !request.is_team();
+    const double reach =
+        (climb_alone ? options.climb_prediction_share : options.prediction_share) * range;
     for (const PredictedPatch& p :
          predict_surface(request.work, request.known,
                          {.reach = reach, .step = 2.0 * voxel, .region = request.region}, frames_))
       targets.push_back({p.position, p.normal, options.prediction_worth * p.area,
                          static_cast<int>(reach / voxel)});
     first_space_ = targets.size();
+    if (climb_alone)
+      for (SightTarget& t : targets)
+        t.worth *= worth_left_below(request.robots.front().configuration.position, t.position,
+                                    range, options.left_below);
     if (options.space_worth > 0.0) {
-      const double range = request.camera.max_range;
       space_.update(request.observed, request.region, options.space_share * range);
       const WorthAround surface(targets, options.space_near * range);
-      const bool climb = request.is_team() && request.relative_height() > options.climb_height;
-      const double full = (climb ? options.climb_space_full : options.space_full) * range * range;
-      const double limit = climb ? options.climb_space_most : 1.0;
+      const bool climb_together = climb && request.is_team();
+      const double full =
+          (climb_together ? options.climb_space_full : options.space_full) * range * range;
+      const double limit = climb_together ? options.climb_space_most : 1.0;
       const double unit = options.space_worth * space_.edge() * space_.edge();
       for (std::size_t i = 0; i < space_.size(); ++i) {
         const double near = surface(space_.center(i));
