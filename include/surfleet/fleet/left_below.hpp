@@ -10,7 +10,7 @@
 namespace surfleet {
 /// Heights and distances over the camera's range.
 struct LeftBelowOptions {
-  double most = 0.6;   ///< What lies below counts so much more at the most; 0: nothing more.
+  double most = 1.0;   ///< What lies below counts so much more at the most; 0: nothing more.
   double peak = 0.5;   ///< So far below the robot it does.
   double end = 1.5;    ///< So far below it counts no more than elsewhere.
   double aside = 2.0;  ///< So far off on the level, too; up to one range less it counts in full.

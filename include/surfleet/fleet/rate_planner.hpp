@@ -52,9 +52,10 @@ struct RatePlannerOptions {
   /// its full worth that may be at the most. A level camera opens the space above but slowly, and
   /// where robots can fly only what was seen empty, the team is no faster than that.
   double climb_space_full = 0.8, climb_space_most = 4.0;
-  /// Such a region, by one drone alone: how far surface is predicted to go on, over the range, as
-  /// what stands so high goes on upward; and what it leaves below, as nobody else comes by.
-  double climb_prediction_share = 1.0;
+  /// Such a region, by one drone alone: `sight_share` and `prediction_share` there, as looks that
+  /// reach farther take fewer turns around, and what stands so high goes on upward; and what it
+  /// would leave below.
+  double climb_sight_share = 0.97, climb_prediction_share = 1.0;
   LeftBelowOptions left_below;
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
   int stops = 2;              ///< Stops given out to each robot at a time.
@@ -87,7 +88,8 @@ struct RatePlannerOptions {
 ///
 /// One drone alone has to see to it all, so what it passes by it comes back for: it plans a tour of
 /// stops by worth per metre inserted, in space that is known or may be free, and begins it. Where
-/// the way to the first stop is not known, it flies to the look that opens most of it.
+/// the way to the first stop is not known, it flies to the look that opens most of it. In a region
+/// that has to be climbed, what it would leave below counts more (`worth_left_below`).
 ///
 /// It remembers what it has seen of the map: one planner for one mission.
 class RatePlanner {
@@ -103,8 +105,9 @@ class RatePlanner {
 
   PlanResult operator()(const PlanRequest& request) {
     const double range = request.camera.max_range;
+    const double sight = climbs_alone(request) ? options.climb_sight_share : options.sight_share;
     const SightTargets targets(make_targets(request), MapSight(request.observed), request.headings,
-                               {.max_range = options.sight_share * range});
+                               {.max_range = sight * range});
     FlightLattice<FreeSpace>& lattice = follow(request.free_space, options.spacing_share * range);
     const WorthAround around(targets.all(), targets.reach());
     const LookBound most(targets.all(), lattice, request.headings, targets.reach());
@@ -199,6 +202,13 @@ class RatePlanner {
     int heading = 0;
   };
 
+  bool has_to_climb(const PlanRequest& request) const {
+    return request.relative_height() > options.climb_height;
+  }
+  bool climbs_alone(const PlanRequest& request) const {
+    return has_to_climb(request) && !request.is_team();
+  }
+
   /// Elements in cells of two voxels that face alike are one target, stood for by its first.
   std::vector<SightTarget> make_targets(const PlanRequest& request) {
     const double voxel = request.known.voxel_size();
@@ -222,8 +232,7 @@ class RatePlanner {
       members_[it->second].push_back(static_cast<std::int32_t>(i));
     }
     const double range = request.camera.max_range;
-    const bool climb = request.relative_height() > options.climb_height;
-    const bool climb_alone = climb && !request.is_team();
+    const bool climb_alone = climbs_alone(request);
     const double reach =
         (climb_alone ? options.climb_prediction_share : options.prediction_share) * range;
     for (const PredictedPatch& p :
@@ -239,7 +248,7 @@ class RatePlanner {
     if (options.space_worth > 0.0) {
       space_.update(request.observed, request.region, options.space_share * range);
       const WorthAround surface(targets, options.space_near * range);
-      const bool climb_together = climb && request.is_team();
+      const bool climb_together = has_to_climb(request) && request.is_team();
       const double full =
           (climb_together ? options.climb_space_full : options.space_full) * range * range;
       const double limit = climb_together ? options.climb_space_most : 1.0;
