@@ -562,6 +562,7 @@ TEST(one_drone_in_a_high_region_looks_at_what_is_below_first) {
     const Box3 region(Point3(-3.0, -3.0, -half_height), Point3(3.0, 6.0, half_height));
     StillMission still(map, {.radius = 0.4, .bounds = region, .margin = 0.1},
                        PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
+    CHECK(RatePlanner()(still.request({})).routes.empty());
     RatePlannerOptions options;
     options.ahead = 1;
     options.left_below.most = most;

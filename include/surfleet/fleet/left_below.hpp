@@ -8,7 +8,7 @@
 #include <surfleet/core/types.hpp>
 
 namespace surfleet {
-/// Heights and distances over the camera's range.
+/// All but `most` are over the camera's range.
 struct LeftBelowOptions {
   double most = 1.0;   ///< What lies below counts so much more at the most; 0: nothing more.
   double peak = 0.5;   ///< So far below the robot it does.

@@ -206,7 +206,7 @@ class RatePlanner {
     return request.relative_height() > options.climb_height;
   }
   bool climbs_alone(const PlanRequest& request) const {
-    return has_to_climb(request) && !request.is_team();
+    return has_to_climb(request) && request.robots.size() == 1;
   }
 
   /// Elements in cells of two voxels that face alike are one target, stood for by its first.
