@@ -14,4 +14,5 @@
 #include <surfleet/motion/reachable_set.hpp>
 #include <surfleet/motion/shortcut.hpp>
 #include <surfleet/motion/tangent_bug.hpp>
+#include <surfleet/motion/taut_path.hpp>
 #include <surfleet/motion/traffic_policy.hpp>

@@ -200,9 +200,13 @@ struct Again {
   }
 };
 TEST(one_robot_reconstructs_a_box_by_rate_and_does_not_look_twice_from_one_place) {
-  int longest = 0;
-  fly(1, Again{RatePlanner(), &longest}, 1, 0.8);
-  CHECK(longest <= 1);
+  for (const double climb_height : {4.0, 0.0}) {  // the second is one that has to be climbed
+    RatePlannerOptions options;
+    options.climb_height = climb_height;
+    int longest = 0;
+    fly(1, Again{RatePlanner(options), &longest}, 1, 0.8);
+    CHECK(longest <= 1);
+  }
 }
 /// Where nobody can be, for so many plans; then what a planner that works says.
 struct NowhereFirst {
@@ -325,7 +329,9 @@ struct Scripted {
   double last_rate() const { return rate; }
   double broadest_look() const { return look; }
   PlanResult operator()(const PlanRequest& request) {
-    return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{Stop{}}), {}};
+    return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{Stop{}}),
+            {},
+            {.utility_share = std::nullopt, .watch_on = true}};
   }
 };
 /// Passes a request on to planners of its own.
@@ -341,6 +347,7 @@ struct AskedOnce {
         const bool toured = !result.routes[0] || result.routes[0]->empty();
         CHECK(toured == p.touring());
         CHECK(result.replan.utility_share == p.lone_utility_share);  // whichever was asked
+        CHECK(result.replan.watch_on);
         all = all && toured;
         any = any || toured;
       }

@@ -519,11 +519,12 @@ TEST(nobody_is_sent_across_a_teammate_s_flight_where_there_is_as_much_elsewhere)
 
 TEST(what_a_climbing_robot_leaves_below_counts_more_while_it_is_near) {
   const double range = 5.0;
-  const LeftBelowOptions options{.most = 0.6, .peak = 0.5, .end = 1.5, .aside = 2.0};
-  const auto at = [&](double below, double off) {
-    return worth_left_below(Point3(1.0, 2.0, 30.0), Point3(1.0, 2.0 + off, 30.0 - below), range,
-                            options);
+  const LeftBelowOptions options{.most = 0.6, .foot = 1.0, .peak = 0.5, .end = 1.5, .aside = 2.0};
+  const auto above_foot = [&](double foot, double below, double off) {
+    return worth_left_below(Point3(1.0, 2.0, 30.0), Point3(1.0, 2.0 + off, 30.0 - below), foot,
+                            range, options);
   };
+  const auto at = [&](double below, double off) { return above_foot(0.0, below, off); };
   CHECK_NEAR(at(2.5, 0.0), 1.6, 1e-12);
   CHECK_NEAR(at(2.5, 5.0), 1.6, 1e-12);
   CHECK_NEAR(at(1.25, 0.0), 1.3, 1e-12);
@@ -540,11 +541,20 @@ TEST(what_a_climbing_robot_leaves_below_counts_more_while_it_is_near) {
     CHECK(std::abs(at(below + step, off) - at(below, off)) <= 0.6 * step / 2.5 + 1e-12);
     CHECK(std::abs(at(below, off + step) - at(below, off)) <= 0.6 * step / 5.0 + 1e-12);
   }
+  CHECK_NEAR(above_foot(27.5, 2.5, 0.0), 2.6, 1e-12);  // at the foot
+  CHECK_NEAR(above_foot(28.5, 2.5, 0.0), 2.6, 1e-12);  // and lower
+  CHECK_NEAR(above_foot(25.0, 2.5, 0.0), 2.1, 1e-12);
+  CHECK_NEAR(above_foot(25.0, 2.5, 7.5), 1.55, 1e-12);
+  CHECK(above_foot(22.5, 2.5, 0.0) == at(2.5, 0.0));
+  CHECK(above_foot(22.5, 7.5, 0.0) == 1.0);
   LeftBelowOptions none = options;
   none.most = 0.0;
-  CHECK(worth_left_below(Point3(0, 0, 2), Point3::Zero(), range, none) == 1.0);
+  CHECK(worth_left_below(Point3(0, 0, 2), Point3::Zero(), -9.0, range, none) == 1.0);
+  none.foot = -0.1;
+  CHECK_THROWS(Error, worth_left_below(Point3(0, 0, 2), Point3::Zero(), -9.0, range, none));
+  none.foot = 0.0;
   none.end = none.peak;
-  CHECK_THROWS(Error, worth_left_below(Point3(0, 0, 2), Point3::Zero(), range, none));
+  CHECK_THROWS(Error, worth_left_below(Point3(0, 0, 2), Point3::Zero(), -9.0, range, none));
 }
 
 TEST(one_drone_in_a_high_region_looks_at_what_is_below_first) {
@@ -568,7 +578,9 @@ TEST(one_drone_in_a_high_region_looks_at_what_is_below_first) {
     options.left_below.most = most;
     std::vector<RobotRequest> team{{{Point3(0.05, 0.05, 0.2), 0.0}, true, {}}};
     if (robots == 2) team.push_back({{Point3(2.0, -2.0, 0.2), 0.0}, false, {}});
-    return RatePlanner(options)(still.request(team)).routes[0]->at(0).configuration.position.z();
+    const PlanResult result = RatePlanner(options)(still.request(team));
+    CHECK(result.replan.watch_on == (half_height > 4.0 && robots == 1));
+    return result.routes[0]->at(0).configuration.position.z();
   };
   CHECK(height_of_first(6.0, 1, 0.0) > 0.2);
   CHECK(height_of_first(6.0, 1, 0.6) < 0.2);

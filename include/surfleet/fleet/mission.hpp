@@ -600,8 +600,11 @@ class Mission {
   double where_to_look(std::size_t r) {
     const Agent& a = agents_[r];
     const Configuration& goal = a.route.front().configuration;
-    const double turning = kPi / options_.limits.yaw_rate + 0.5;
-    if (polyline_length(a.motion.remaining()) < turning * options_.limits.speed) return goal.yaw;
+    const double left = polyline_length(a.motion.remaining());
+    const auto has_to_turn = [&](double angle) {
+      return left < (angle / options_.limits.yaw_rate + 0.5) * options_.limits.speed;
+    };
+    if (!a.replan.watch_on && has_to_turn(kPi)) return goal.yaw;
     std::vector<SightTarget> near;
     const double reach = 0.85 * options_.camera.max_range;
     for (const IncompleteElement& e : work())
@@ -613,7 +616,9 @@ class Mission {
     const std::vector<char> none(targets.size(), 0);
     const auto worth = worth_by_heading(targets, targets.seen_from(fleet_[r].position), none);
     const auto best = std::max_element(worth.begin(), worth.end());
-    return *best > 0.0 ? heading_angle(static_cast<int>(best - worth.begin())) : goal.yaw;
+    if (*best <= 0.0) return goal.yaw;
+    const double yaw = heading_angle(static_cast<int>(best - worth.begin()));
+    return has_to_turn(std::abs(wrap_angle(goal.yaw - yaw))) ? goal.yaw : yaw;
   }
 
   // -- records -----------------------------------------------------------------------------------

@@ -67,6 +67,9 @@ struct ReplanRule {
   std::optional<double> utility_share;
   /// Whether robots under way turn to their next stop without braking first, if it lies ahead.
   bool turn_in_flight = false;
+  /// Whether robots under way look at what there is to see until they have to turn for their goal;
+  /// if not, they look to their goal as soon as it is no farther off than half a turn takes.
+  bool watch_on = false;
 };
 
 /// New routes and the elements for which the planner found none.

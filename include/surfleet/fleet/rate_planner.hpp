@@ -25,6 +25,7 @@
 #include <surfleet/fleet/tour_ahead.hpp>
 #include <surfleet/fleet/unseen_space.hpp>
 #include <surfleet/fleet/worth_around.hpp>
+#include <surfleet/motion/taut_path.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>
 
@@ -57,6 +58,16 @@ struct RatePlannerOptions {
   /// would leave below.
   double climb_sight_share = 0.97, climb_prediction_share = 1.0;
   LeftBelowOptions left_below;
+  /// What counts there where something was seen already, if not well enough to be known, and
+  /// predicted surface each time that a look did not bring it.
+  double climb_seen_share = 0.5, climb_vain_share = 0.5;
+  /// What the place it is under way to counts there: much else is about as good, and who changes
+  /// his mind at every image flies ways that nobody chose.
+  double climb_goal_worth = 1.3;
+  /// So far beside their places stops may be there for a shorter way, over the range, as long as
+  /// they show this share of their worth.
+  double climb_slack = 0.2, climb_slack_worth = 0.7;
+  double climb_reach = 16.0;  ///< `ahead_reach` there: the foot is far from the top.
   double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
   int stops = 2;              ///< Stops given out to each robot at a time.
   /// Stops that one drone alone plans ahead, in space that it takes for free where it is unknown;
@@ -89,7 +100,8 @@ struct RatePlannerOptions {
 /// One drone alone has to see to it all, so what it passes by it comes back for: it plans a tour of
 /// stops by worth per metre inserted, in space that is known or may be free, and begins it. Where
 /// the way to the first stop is not known, it flies to the look that opens most of it. In a region
-/// that has to be climbed, what it would leave below counts more (`worth_left_below`).
+/// that has to be climbed, what it would leave below counts more (`worth_left_below`), what was
+/// seen already less, and it keeps to a goal unless another is clearly better.
 ///
 /// It remembers what it has seen of the map: one planner for one mission.
 class RatePlanner {
@@ -118,6 +130,7 @@ class RatePlanner {
 
     PlanResult result;
     result.replan.turn_in_flight = true;
+    result.replan.watch_on = climbs_alone(request);
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> waiting;
     // Where those who wait will go is not settled before it is their turn.
@@ -212,6 +225,11 @@ class RatePlanner {
   /// Elements in cells of two voxels that face alike are one target, stood for by its first.
   std::vector<SightTarget> make_targets(const PlanRequest& request) {
     const double voxel = request.known.voxel_size();
+    const bool climb_alone = climbs_alone(request);
+    VoxelStateMap::Accessor observed(request.observed);
+    const auto seen_share = [&](const VoxelIndex& v) {
+      return climb_alone && observed(v) != VoxelState::unknown ? options.climb_seen_share : 1.0;
+    };
     std::vector<SightTarget> targets;
     members_.clear();
     std::unordered_map<std::uint64_t, std::size_t> groups;
@@ -228,23 +246,25 @@ class RatePlanner {
         targets.push_back({e.frontier(voxel), e.direction, 0.0, 2});
         members_.emplace_back();
       }
-      targets[it->second].worth += options.element_faces * voxel * voxel;
+      targets[it->second].worth += seen_share(e.voxel) * options.element_faces * voxel * voxel;
       members_[it->second].push_back(static_cast<std::int32_t>(i));
     }
     const double range = request.camera.max_range;
-    const bool climb_alone = climbs_alone(request);
     const double reach =
         (climb_alone ? options.climb_prediction_share : options.prediction_share) * range;
     for (const PredictedPatch& p :
          predict_surface(request.work, request.known,
                          {.reach = reach, .step = 2.0 * voxel, .region = request.region}, frames_))
-      targets.push_back({p.position, p.normal, options.prediction_worth * p.area,
+      targets.push_back({p.position, p.normal,
+                         options.prediction_worth * p.area *
+                             seen_share(request.observed.grid().index_of(p.position)) *
+                             (climb_alone ? vain_share(p.position, voxel) : 1.0),
                          static_cast<int>(reach / voxel)});
     first_space_ = targets.size();
     if (climb_alone)
       for (SightTarget& t : targets)
         t.worth *= worth_left_below(request.robots.front().configuration.position, t.position,
-                                    range, options.left_below);
+                                    request.region.min().z(), range, options.left_below);
     if (options.space_worth > 0.0) {
       space_.update(request.observed, request.region, options.space_share * range);
       const WorthAround surface(targets, options.space_near * range);
@@ -317,13 +337,25 @@ class RatePlanner {
     view.seen.erase(at(view.in_sight), at(next));
   }
 
+  /// Predicted surface is remembered by cells of two voxels.
+  static VoxelKey vain_key(const Point3& p, double voxel) {
+    return key_of(VoxelIndex((p / (2.0 * voxel)).array().floor().cast<int>()));
+  }
+  double vain_share(const Point3& p, double voxel) const {
+    const auto it = vain_looks_.find(vain_key(p, voxel));
+    return it == vain_looks_.end() ? 1.0 : std::pow(options.climb_vain_share, it->second);
+  }
+
   /// What is still in view from where a robot stands its look did not bring: so much worth there,
-  /// and those cells of unseen space.
+  /// that predicted surface and those cells of unseen space.
   void note_what_is_left(const Search& s, const Configuration& at) {
-    const VoxelIndex cell = s.lattice.nearest(at.position);
+    const auto moved = std::find_if(moved_.begin(), moved_.end(), [&](const auto& m) {
+      return (m.first - at.position).norm() <= kSamePlace;
+    });
+    const VoxelIndex cell = moved == moved_.end() ? s.lattice.nearest(at.position) : moved->second;
     const Point3 place = s.lattice.position(cell);
     const int heading = nearest_heading(at.yaw);
-    if ((place - at.position).norm() > kSamePlace ||
+    if ((moved == moved_.end() && (place - at.position).norm() > kSamePlace) ||
         std::abs(wrap_angle(heading_angle(heading) - at.yaw)) > kSamePlace)
       return;
     View& view = view_from(s.targets, s.lattice.index(cell), place);
@@ -335,7 +367,10 @@ class RatePlanner {
         left_.insert_or_assign(std::pair(s.lattice.index(cell), heading), worth).second;
     if (!fresh) return;  // A robot that stands there still has not looked anew.
     mark_in_view(view.seen, heading, done, [&](std::size_t id) {
-      if (id >= first_space_) space_.note_look(id - first_space_);
+      if (id >= first_space_)
+        space_.note_look(id - first_space_);
+      else if (id >= members_.size())
+        ++vain_looks_[vain_key(s.targets[id].position, s.request.known.voxel_size())];
     });
   }
   bool is_vain(std::size_t site, std::size_t heading, double worth) const {
@@ -344,6 +379,7 @@ class RatePlanner {
   }
 
   static constexpr double kSamePlace = 0.02;  ///< [m, rad]
+  static constexpr double kLeastMove = 0.05;  ///< Of a stop that is moved [m].
   static constexpr double kRounding = 1e-9;   ///< Of sums of worth [m²].
   static constexpr double kMore = 1.1;  ///< Times what was left, for another look to be worth it.
 
@@ -475,7 +511,8 @@ class RatePlanner {
       bool looked = false;
     };
     double share(const State& at) const {
-      return at.place.known ? 1.0 : planner_->options.unknown_worth;
+      const double known = at.place.known ? 1.0 : planner_->options.unknown_worth;
+      return at.id == planner_->goal_ ? planner_->options.climb_goal_worth * known : known;
     }
     View& view_of(const State& at) {
       return planner_->view_from(search_->targets, at.id, search_->lattice.position(at.place.cell));
@@ -499,9 +536,11 @@ class RatePlanner {
     optimistic_.options = options.ways;
     optimistic_.follow(request.free_space, s.lattice.spacing());
     LooksAhead looks(*this, s, done);
+    const bool climb = climbs_alone(request);
+    const double farthest = (climb ? options.climb_reach : options.ahead_reach) * range;
     std::vector<TourSite> sites;
     optimistic_.search(start, s.lattice, [&](const auto& site, bool known) {
-      if (site.distance > options.ahead_reach * range) return false;
+      if (site.distance > farthest) return false;
       const bool coarse = ((site.cell.x() | site.cell.y() | site.cell.z()) & 1) == 0;
       if ((coarse || site.distance <= options.ahead_fine * range) &&
           s.most.at_any_heading(site.cell) > 0.0 && (!known || reach(site.position))) {
@@ -527,23 +566,54 @@ class RatePlanner {
       if (auto look = opening_(request, s.lattice, reach, from, start, way)) route.push_back(*look);
       return {std::move(route), rate};
     }
-    for (const TourAheadStop& stop : tour) {
-      const auto& place = looks[stop.site];
+    std::vector<Point3> places;
+    for (const TourAheadStop& stop : tour) places.push_back(sites[stop.site].position);
+    const std::vector<Point3> taut =
+        taut_path(start, places, climb ? options.climb_slack * range : 0.0);
+    moved_.clear();
+    goal_.reset();
+    for (std::size_t k = 0; k < tour.size(); ++k) {
+      const auto& place = looks[tour[k].site];
       if (!place.known || route.size() == static_cast<std::size_t>(options.stops)) break;
-      route.push_back(make_stop(request,
-                                {{sites[stop.site].position, heading_angle(stop.heading)},
-                                 stop.rate,
-                                 s.lattice.index(place.cell),
-                                 stop.heading},
-                                done));
+      const Candidate c{{places[k], heading_angle(tour[k].heading)},
+                        tour[k].rate,
+                        s.lattice.index(place.cell),
+                        tour[k].heading};
+      if (climb && k == 0) goal_ = c.site;
+      auto moved = moved_stop(s, c, taut[k], done);
+      if (moved) moved_.emplace_back(moved->configuration.position, place.cell);
+      route.push_back(moved ? *std::move(moved) : make_stop(request, c, done));
     }
     return {std::move(route), rate};
   }
 
+  /// A stop beside its place, as near to `wish` as it still shows enough; nothing if there is none.
+  std::optional<Stop> moved_stop(const Search& s, const Candidate& c, const Point3& wish,
+                                 std::vector<char>& done) {
+    const Point3& place = c.configuration.position;
+    const auto worth = [&](std::span<const Sighting> seen) {
+      return worth_by_heading(s.targets, seen, done)[static_cast<std::size_t>(c.heading)];
+    };
+    for (const double share : {1.0, 0.67, 0.33}) {
+      const Point3 p = place + share * (wish - place);
+      if ((p - place).norm() < kLeastMove) break;
+      if (!s.request.free_space.is_free(p) || !s.request.free_space.is_free_segment(p, place))
+        continue;
+      const std::vector<Sighting> seen = s.targets.seen_from(p);
+      if (worth(seen) >= options.climb_slack_worth * worth(sites_.at(c.site).seen))
+        return make_stop(s.request, {p, c.configuration.yaw}, seen, c.heading, done);
+    }
+    return std::nullopt;
+  }
+
   /// Marks what the stop sees and names the incomplete elements among it.
   Stop make_stop(const PlanRequest& request, const Candidate& c, std::vector<char>& done) {
-    Stop stop{c.configuration, {}};
-    mark_in_view(sites_.at(c.site).seen, c.heading, done, [&](std::size_t id) {
+    return make_stop(request, c.configuration, sites_.at(c.site).seen, c.heading, done);
+  }
+  Stop make_stop(const PlanRequest& request, const Configuration& at,
+                 std::span<const Sighting> seen, int heading, std::vector<char>& done) {
+    Stop stop{at, {}};
+    mark_in_view(seen, heading, done, [&](std::size_t id) {
       if (id >= members_.size()) return;
       for (const std::int32_t i : members_[id])
         stop.targets.push_back(request.work[static_cast<std::size_t>(i)].voxel);
@@ -564,6 +634,10 @@ class RatePlanner {
   std::size_t first_space_ = 0;  // target
   /// In view from places and headings when a robot last had looked from there [m²].
   std::map<std::pair<std::size_t, int>, double> left_;
+  std::map<VoxelKey, int> vain_looks_;  // at predicted surface
+  /// Stops of the last tour that are beside their nodes of the lattice, and these.
+  std::vector<std::pair<Point3, VoxelIndex>> moved_;
+  std::optional<std::size_t> goal_;  // the node a robot that climbs alone was sent to
   double broadest_ = 0.0;
   double last_rate_ = 0.0;
 };

@@ -50,7 +50,8 @@ class RateThenTours {
   }
   ReplanRule rule(const PlanRequest& request) const {
     return {.utility_share = request.is_team() ? team_utility_share : lone_utility_share,
-            .turn_in_flight = true};
+            .turn_in_flight = true,
+            .watch_on = watch_on_};
   }
   /// Whether the second planner is at work.
   bool touring() const { return touring_; }
@@ -58,6 +59,7 @@ class RateThenTours {
  private:
   PlanResult choose(const PlanRequest& request) {
     PlanResult result = ask(first, request);
+    watch_on_ = result.replan.watch_on;
     const double rate = first.last_rate(), look = first.broadest_look();
     broadest_ = std::max(broadest_, look);
     const bool is_broad = look >= broad * broadest_ && rate > 0.0;
@@ -100,5 +102,6 @@ class RateThenTours {
   double broadest_ = 0.0;             // look so far [m²]
   std::size_t count_ = 0;             // of requests to the first
   bool touring_ = false, toured_ = false;
+  bool watch_on_ = false;  // as the first planner would have it
 };
 }  // namespace surfleet
