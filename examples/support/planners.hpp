@@ -59,9 +59,11 @@ inline AnyPlanner make_planner(std::string_view name, const PlannerSettings& set
   TourPlannerOptions reordered_asynchronous = reordered;
   reordered_asynchronous.asynchronous = true;
   if (name == "tours") return made(CoverPlanner(reordered));
-  if (name == "rate") return made(RatePlanner(settings.rate));
+  RatePlannerOptions rate = settings.rate;
+  if (settings.utility_share) rate.climb_alone.utility_share = *settings.utility_share;
+  if (name == "rate") return made(RatePlanner(rate));
   if (name == "surfleet") {
-    RateThenTours front{RatePlanner(settings.rate), CoverPlanner(reordered)};
+    RateThenTours front{RatePlanner(rate), CoverPlanner(reordered)};
     if (settings.utility_share)
       front.team_utility_share = front.lone_utility_share = *settings.utility_share;
     return made(ToursBehind(std::move(front), CoverPlanner(reordered_asynchronous)));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "box_world.hpp"
@@ -326,12 +327,13 @@ TEST(reordered_stops_are_the_same_stops_on_a_shorter_way) {
 /// Rates and looks as they are told.
 struct Scripted {
   double rate = 1.0, look = 1.0;
+  std::optional<double> utility_share;
   double last_rate() const { return rate; }
   double broadest_look() const { return look; }
   PlanResult operator()(const PlanRequest& request) {
     return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{Stop{}}),
             {},
-            {.utility_share = std::nullopt, .watch_on = true}};
+            {.utility_share = utility_share, .watch_on = true}};
   }
 };
 /// Passes a request on to planners of its own.
@@ -346,7 +348,8 @@ struct AskedOnce {
         const PlanResult result = p(request);
         const bool toured = !result.routes[0] || result.routes[0]->empty();
         CHECK(toured == p.touring());
-        CHECK(result.replan.utility_share == p.lone_utility_share);  // whichever was asked
+        // Whichever was asked.
+        CHECK(result.replan.utility_share == p.first.utility_share.value_or(p.lone_utility_share));
         CHECK(result.replan.watch_on);
         all = all && toured;
         any = any || toured;
@@ -357,6 +360,8 @@ struct AskedOnce {
     CHECK(!ask(p, 4.0, 40.0, 20).second);
     CHECK(!ask(p, 0.1, 20.0, 60).second);  // low rates, but something broad far away
     CHECK(ask(p, 0.1, 4.0, 40).second);    // nothing broad any more
+    CHECK(ask(p, 0.1, 4.0, 5).first);
+    p.first.utility_share = 0.7;
     CHECK(ask(p, 0.1, 4.0, 5).first);
     CHECK(!ask(p, 0.2, 30.0, 5).second);  // the tours came upon something
     CHECK(ask(p, 0.05, 4.0, 60).second);

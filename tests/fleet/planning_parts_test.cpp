@@ -575,11 +575,13 @@ TEST(one_drone_in_a_high_region_looks_at_what_is_below_first) {
     CHECK(RatePlanner()(still.request({})).routes.empty());
     RatePlannerOptions options;
     options.ahead = 1;
-    options.left_below.most = most;
+    options.climb_alone.left_below.most = most;
     std::vector<RobotRequest> team{{{Point3(0.05, 0.05, 0.2), 0.0}, true, {}}};
     if (robots == 2) team.push_back({{Point3(2.0, -2.0, 0.2), 0.0}, false, {}});
     const PlanResult result = RatePlanner(options)(still.request(team));
-    CHECK(result.replan.watch_on == (half_height > 4.0 && robots == 1));
+    const bool alone = half_height > 4.0 && robots == 1;
+    CHECK(result.replan.watch_on == alone);
+    CHECK(result.replan.utility_share.has_value() == alone);
     return result.routes[0]->at(0).configuration.position.z();
   };
   CHECK(height_of_first(6.0, 1, 0.0) > 0.2);

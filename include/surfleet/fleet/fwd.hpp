@@ -11,6 +11,7 @@ struct CoverageTourOptions;
 class HeadingTable;
 struct KnownSurface;
 struct LeftBelowOptions;
+struct LoneClimbOptions;
 enum class LeftReason : std::uint8_t;
 class LookBound;
 class LookLedger;

@@ -30,6 +30,26 @@
 #include <surfleet/viewpoint/surface_prediction.hpp>
 
 namespace surfleet {
+/// Of one drone alone in a region that has to be climbed.
+struct LoneClimbOptions {
+  /// `RatePlannerOptions::sight_share` and `prediction_share`: looks that reach farther take fewer
+  /// turns around, and what stands so high goes on upward.
+  double sight_share = 0.97, prediction_share = 1.0;
+  LeftBelowOptions left_below;
+  /// What counts where something was seen already, if not well enough to be known, and predicted
+  /// surface each time that a look did not bring it.
+  double seen_share = 0.5, vain_share = 0.5;
+  /// What the place it is under way to counts: much else is about as good, and who changes his
+  /// mind at every image flies ways that nobody chose.
+  double goal_worth = 1.3;
+  double utility_share = 0.35;  ///< A new plan is wanted when so much of a route is complete.
+  double unknown_worth = 0.65;  ///< Worth of a look from unknown space beside one from known.
+  /// So far beside their places stops may be for a shorter way, over the range, as long as they
+  /// show this share of their worth.
+  double slack = 0.2, slack_worth = 0.7;
+  double reach = 16.0;  ///< `ahead_reach`: the foot is far from the top.
+};
+
 struct RatePlannerOptions {
   double stop_share = 0.125;  ///< What a stop costs beside its flight, over the range.
   double turn_cost = 0.1;     ///< What turning costs [m/rad].
@@ -53,23 +73,9 @@ struct RatePlannerOptions {
   /// its full worth that may be at the most. A level camera opens the space above but slowly, and
   /// where robots can fly only what was seen empty, the team is no faster than that.
   double climb_space_full = 0.8, climb_space_most = 4.0;
-  /// Such a region, by one drone alone: `sight_share` and `prediction_share` there, as looks that
-  /// reach farther take fewer turns around, and what stands so high goes on upward; and what it
-  /// would leave below.
-  double climb_sight_share = 0.97, climb_prediction_share = 1.0;
-  LeftBelowOptions left_below;
-  /// What counts there where something was seen already, if not well enough to be known, and
-  /// predicted surface each time that a look did not bring it.
-  double climb_seen_share = 0.5, climb_vain_share = 0.5;
-  /// What the place it is under way to counts there: much else is about as good, and who changes
-  /// his mind at every image flies ways that nobody chose.
-  double climb_goal_worth = 1.3;
-  /// So far beside their places stops may be there for a shorter way, over the range, as long as
-  /// they show this share of their worth.
-  double climb_slack = 0.2, climb_slack_worth = 0.7;
-  double climb_reach = 16.0;  ///< `ahead_reach` there: the foot is far from the top.
-  double space_share = 0.19;  ///< Cells of unseen space over the camera's range.
-  int stops = 2;              ///< Stops given out to each robot at a time.
+  LoneClimbOptions climb_alone;  ///< Such a region, by one drone alone.
+  double space_share = 0.19;     ///< Cells of unseen space over the camera's range.
+  int stops = 2;                 ///< Stops given out to each robot at a time.
   /// Stops that one drone alone plans ahead, in space that it takes for free where it is unknown;
   /// 0: it looks no farther than each of a team does.
   int ahead = 10;
@@ -117,7 +123,8 @@ class RatePlanner {
 
   PlanResult operator()(const PlanRequest& request) {
     const double range = request.camera.max_range;
-    const double sight = climbs_alone(request) ? options.climb_sight_share : options.sight_share;
+    const double sight =
+        climbs_alone(request) ? options.climb_alone.sight_share : options.sight_share;
     const SightTargets targets(make_targets(request), MapSight(request.observed), request.headings,
                                {.max_range = sight * range});
     FlightLattice<FreeSpace>& lattice = follow(request.free_space, options.spacing_share * range);
@@ -130,7 +137,10 @@ class RatePlanner {
 
     PlanResult result;
     result.replan.turn_in_flight = true;
-    result.replan.watch_on = climbs_alone(request);
+    if (climbs_alone(request)) {
+      result.replan.utility_share = options.climb_alone.utility_share;
+      result.replan.watch_on = true;
+    }
     result.routes.resize(request.robots.size());
     std::vector<std::size_t> waiting;
     // Where those who wait will go is not settled before it is their turn.
@@ -228,7 +238,8 @@ class RatePlanner {
     const bool climb_alone = climbs_alone(request);
     VoxelStateMap::Accessor observed(request.observed);
     const auto seen_share = [&](const VoxelIndex& v) {
-      return climb_alone && observed(v) != VoxelState::unknown ? options.climb_seen_share : 1.0;
+      return climb_alone && observed(v) != VoxelState::unknown ? options.climb_alone.seen_share
+                                                               : 1.0;
     };
     std::vector<SightTarget> targets;
     members_.clear();
@@ -251,7 +262,7 @@ class RatePlanner {
     }
     const double range = request.camera.max_range;
     const double reach =
-        (climb_alone ? options.climb_prediction_share : options.prediction_share) * range;
+        (climb_alone ? options.climb_alone.prediction_share : options.prediction_share) * range;
     for (const PredictedPatch& p :
          predict_surface(request.work, request.known,
                          {.reach = reach, .step = 2.0 * voxel, .region = request.region}, frames_))
@@ -263,8 +274,9 @@ class RatePlanner {
     first_space_ = targets.size();
     if (climb_alone)
       for (SightTarget& t : targets)
-        t.worth *= worth_left_below(request.robots.front().configuration.position, t.position,
-                                    request.region.min().z(), range, options.left_below);
+        t.worth *=
+            worth_left_below(request.robots.front().configuration.position, t.position,
+                             request.region.min().z(), range, options.climb_alone.left_below);
     if (options.space_worth > 0.0) {
       space_.update(request.observed, request.region, options.space_share * range);
       const WorthAround surface(targets, options.space_near * range);
@@ -343,7 +355,7 @@ class RatePlanner {
   }
   double vain_share(const Point3& p, double voxel) const {
     const auto it = vain_looks_.find(vain_key(p, voxel));
-    return it == vain_looks_.end() ? 1.0 : std::pow(options.climb_vain_share, it->second);
+    return it == vain_looks_.end() ? 1.0 : std::pow(options.climb_alone.vain_share, it->second);
   }
 
   /// What is still in view from where a robot stands its look did not bring: so much worth there,
@@ -369,7 +381,7 @@ class RatePlanner {
     mark_in_view(view.seen, heading, done, [&](std::size_t id) {
       if (id >= first_space_)
         space_.note_look(id - first_space_);
-      else if (id >= members_.size())
+      else if (id >= members_.size() && climbs_alone(s.request))
         ++vain_looks_[vain_key(s.targets[id].position, s.request.known.voxel_size())];
     });
   }
@@ -467,7 +479,12 @@ class RatePlanner {
     };
 
     LooksAhead(RatePlanner& planner, const Search& search, std::span<const char> done)
-        : planner_(&planner), search_(&search), done_(done.begin(), done.end()) {}
+        : planner_(&planner),
+          search_(&search),
+          done_(done.begin(), done.end()),
+          unknown_worth_(planner.climbs_alone(search.request)
+                             ? planner.options.climb_alone.unknown_worth
+                             : planner.options.unknown_worth) {}
     void add(const Place& place) { places_.push_back({place, search_->lattice.index(place.cell)}); }
     const Place& operator[](std::size_t s) const { return places_[s].place; }
 
@@ -511,8 +528,8 @@ class RatePlanner {
       bool looked = false;
     };
     double share(const State& at) const {
-      const double known = at.place.known ? 1.0 : planner_->options.unknown_worth;
-      return at.id == planner_->goal_ ? planner_->options.climb_goal_worth * known : known;
+      const double known = at.place.known ? 1.0 : unknown_worth_;
+      return at.id == planner_->goal_ ? planner_->options.climb_alone.goal_worth * known : known;
     }
     View& view_of(const State& at) {
       return planner_->view_from(search_->targets, at.id, search_->lattice.position(at.place.cell));
@@ -521,6 +538,7 @@ class RatePlanner {
     RatePlanner* planner_;
     const Search* search_;
     std::vector<char> done_;
+    double unknown_worth_;
     std::vector<State> places_;
     bool taken_ = false;
   };
@@ -537,7 +555,7 @@ class RatePlanner {
     optimistic_.follow(request.free_space, s.lattice.spacing());
     LooksAhead looks(*this, s, done);
     const bool climb = climbs_alone(request);
-    const double farthest = (climb ? options.climb_reach : options.ahead_reach) * range;
+    const double farthest = (climb ? options.climb_alone.reach : options.ahead_reach) * range;
     std::vector<TourSite> sites;
     optimistic_.search(start, s.lattice, [&](const auto& site, bool known) {
       if (site.distance > farthest) return false;
@@ -569,7 +587,7 @@ class RatePlanner {
     std::vector<Point3> places;
     for (const TourAheadStop& stop : tour) places.push_back(sites[stop.site].position);
     const std::vector<Point3> taut =
-        taut_path(start, places, climb ? options.climb_slack * range : 0.0);
+        taut_path(start, places, climb ? options.climb_alone.slack * range : 0.0);
     moved_.clear();
     goal_.reset();
     for (std::size_t k = 0; k < tour.size(); ++k) {
@@ -600,7 +618,7 @@ class RatePlanner {
       if (!s.request.free_space.is_free(p) || !s.request.free_space.is_free_segment(p, place))
         continue;
       const std::vector<Sighting> seen = s.targets.seen_from(p);
-      if (worth(seen) >= options.climb_slack_worth * worth(sites_.at(c.site).seen))
+      if (worth(seen) >= options.climb_alone.slack_worth * worth(sites_.at(c.site).seen))
         return make_stop(s.request, {p, c.configuration.yaw}, seen, c.heading, done);
     }
     return std::nullopt;

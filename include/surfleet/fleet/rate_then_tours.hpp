@@ -36,8 +36,8 @@ class RateThenTours {
   /// range: those who are there will have seen it by then.
   double far = 2.4;
   int memory = 4;  ///< Requests a robot that the recent rate is averaged over.
-  /// When a new plan is wanted, whichever is asked: in a team what one was sent for others see on
-  /// their way, besides.
+  /// When a new plan is wanted, whichever is asked, if the first planner does not say: in a team
+  /// what one was sent for others see on their way, besides.
   double team_utility_share = 0.1, lone_utility_share = 0.2;
 
   explicit RateThenTours(First f = First{}, Then t = Then{})
@@ -49,9 +49,10 @@ class RateThenTours {
     return result;
   }
   ReplanRule rule(const PlanRequest& request) const {
-    return {.utility_share = request.is_team() ? team_utility_share : lone_utility_share,
+    return {.utility_share = first_rule_.utility_share.value_or(
+                request.is_team() ? team_utility_share : lone_utility_share),
             .turn_in_flight = true,
-            .watch_on = watch_on_};
+            .watch_on = first_rule_.watch_on};
   }
   /// Whether the second planner is at work.
   bool touring() const { return touring_; }
@@ -59,7 +60,7 @@ class RateThenTours {
  private:
   PlanResult choose(const PlanRequest& request) {
     PlanResult result = ask(first, request);
-    watch_on_ = result.replan.watch_on;
+    first_rule_ = result.replan;
     const double rate = first.last_rate(), look = first.broadest_look();
     broadest_ = std::max(broadest_, look);
     const bool is_broad = look >= broad * broadest_ && rate > 0.0;
@@ -102,6 +103,6 @@ class RateThenTours {
   double broadest_ = 0.0;             // look so far [m²]
   std::size_t count_ = 0;             // of requests to the first
   bool touring_ = false, toured_ = false;
-  bool watch_on_ = false;  // as the first planner would have it
+  ReplanRule first_rule_;
 };
 }  // namespace surfleet
