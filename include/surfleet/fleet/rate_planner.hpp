@@ -123,8 +123,8 @@ class RatePlanner {
 
   PlanResult operator()(const PlanRequest& request) {
     const double range = request.camera.max_range;
-    const double sight =
-        climbs_alone(request) ? options.climb_alone.sight_share : options.sight_share;
+    const bool climb_alone = climbs_alone(request);
+    const double sight = climb_alone ? options.climb_alone.sight_share : options.sight_share;
     const SightTargets targets(make_targets(request), MapSight(request.observed), request.headings,
                                {.max_range = sight * range});
     FlightLattice<FreeSpace>& lattice = follow(request.free_space, options.spacing_share * range);
@@ -137,7 +137,7 @@ class RatePlanner {
 
     PlanResult result;
     result.replan.turn_in_flight = true;
-    if (climbs_alone(request)) {
+    if (climb_alone) {
       result.replan.utility_share = options.climb_alone.utility_share;
       result.replan.watch_on = true;
     }
@@ -478,13 +478,12 @@ class RatePlanner {
       bool known = true;  // to be free
     };
 
-    LooksAhead(RatePlanner& planner, const Search& search, std::span<const char> done)
+    LooksAhead(RatePlanner& planner, const Search& search, std::span<const char> done,
+               double unknown_worth)
         : planner_(&planner),
           search_(&search),
           done_(done.begin(), done.end()),
-          unknown_worth_(planner.climbs_alone(search.request)
-                             ? planner.options.climb_alone.unknown_worth
-                             : planner.options.unknown_worth) {}
+          unknown_worth_(unknown_worth) {}
     void add(const Place& place) { places_.push_back({place, search_->lattice.index(place.cell)}); }
     const Place& operator[](std::size_t s) const { return places_[s].place; }
 
@@ -553,8 +552,9 @@ class RatePlanner {
     const LazyPrmStar::Reach reach = request.roadmap.reach_from(start);
     optimistic_.options = options.ways;
     optimistic_.follow(request.free_space, s.lattice.spacing());
-    LooksAhead looks(*this, s, done);
     const bool climb = climbs_alone(request);
+    LooksAhead looks(*this, s, done,
+                     climb ? options.climb_alone.unknown_worth : options.unknown_worth);
     const double farthest = (climb ? options.climb_alone.reach : options.ahead_reach) * range;
     std::vector<TourSite> sites;
     optimistic_.search(start, s.lattice, [&](const auto& site, bool known) {

@@ -103,6 +103,6 @@ class RateThenTours {
   double broadest_ = 0.0;             // look so far [m²]
   std::size_t count_ = 0;             // of requests to the first
   bool touring_ = false, toured_ = false;
-  ReplanRule first_rule_;
+  ReplanRule first_rule_;  // as the first planner would have it
 };
 }  // namespace surfleet
