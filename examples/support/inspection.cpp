@@ -15,7 +15,7 @@
 
 #include <surfleet/evaluation/observable_surface.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
-#include <surfleet/mapping/mesh_extractor.hpp>
+#include <surfleet/mapping/surface_mesh.hpp>
 #include <surfleet/simulation/scenes.hpp>
 
 namespace surfleet::examples {
@@ -181,7 +181,9 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     run.map = mission.take_map();
     run.mission_memory = peak_memory();
   }
-  run.reconstruction = cropped(extract_mesh(run.map, {.min_weight = 1e-6}), site.scene.region);
+  run.reconstruction =
+      cropped(extract_surface(run.map, {.min_weight = s.known_weight, .threads = s.threads}),
+              site.scene.region);
   return run;
 }
 

@@ -9,6 +9,9 @@
 #include <surfleet/mapping/mesh_extractor.hpp>
 #include <surfleet/mapping/projective_update.hpp>
 #include <surfleet/mapping/ray_traversal_update.hpp>
+#include <surfleet/mapping/surface_hits.hpp>
+#include <surfleet/mapping/surface_mesh.hpp>
+#include <surfleet/mapping/surface_points.hpp>
 #include <surfleet/mapping/tsdf_integrator.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
 #include <surfleet/mapping/update_policy.hpp>

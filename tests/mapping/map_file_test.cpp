@@ -73,6 +73,59 @@ TEST(blocks_without_weight_are_left_out_on_request) {
   CHECK(decode_map(encode_map(map, {.skip_unseen = false})).block_count() == 1);
 }
 
+TEST(files_of_version_1_are_read) {
+  // One block, level, without anything behind its weights but the checksum.
+  ByteWriter out;
+  out.put_text("SFLTTSDF");
+  out.put(std::uint32_t{1});
+  out.put(std::uint32_t{8});
+  out.put(0.2);
+  out.put(std::uint64_t{1});
+  for (const std::int32_t i : {4, -5, 6}) out.put(i);
+  out.put(std::uint8_t{2});
+  out.put(0.25F);
+  for (int i = 0; i < 512; ++i) out.put(static_cast<float>(i));
+  out.put(crc32(out.bytes()));
+  const TsdfMap map = decode_map(out.bytes());
+  CHECK(map.block_count() == 1 && map.block(0).index == BlockIndex(4, -5, 6));
+  CHECK(map.block(0).layer.empty());
+  CHECK(map.block(0).voxels[37].distance == 0.25F && map.block(0).voxels[37].weight == 37.0F);
+}
+
+TEST(hits_that_no_rays_give_are_refused) {
+  const auto with = [](const SurfaceHit& hit) {
+    TsdfMap map({.voxel_size = 0.1});
+    const std::uint32_t slot = map.ensure_slot({0, 0, 0});
+    map.block(slot).layer.ensure(hit.key) = hit;
+    return encode_map(map);
+  };
+  const SurfaceHit good{.key = SurfaceHits::key_of(511, 5),
+                        .weight = 1000,
+                        .passed = 3,
+                        .position = {64000, -64000, 5},
+                        .normal = {-1, 64000, 0}};
+  const TsdfMap back = decode_map(with(good));
+  CHECK(back.block(0).layer.size() == 1 && back.block(0).layer.hits()[0] == good);
+  for (int bad = 0; bad < 6; ++bad) {
+    SurfaceHit h = good;
+    if (bad == 0) h.key = SurfaceHits::key_of(512, 0);
+    if (bad == 1) h.key = SurfaceHits::key_of(3, 6);
+    if (bad == 2) h.weight = std::int64_t{1} << 51;
+    if (bad == 3) h.position[1] = 64001;
+    if (bad == 4) h.normal[2] = -64001;
+    if (bad == 5) h.passed = -1;
+    CHECK_THROWS(Error, decode_map(with(h)));
+  }
+  // A number of hits that the file cannot hold.
+  Bytes bytes = with(good);
+  const std::size_t count_at = bytes.size() - 4 - 17 - 4;  // checksum, hit, count
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + count_at, 4);
+  CHECK(count == 1);
+  poke(bytes, count_at, std::uint32_t{0xFFFFFFFF});
+  CHECK_THROWS(Error, decode_map(bytes));
+}
+
 TEST(files_are_saved_and_loaded) {
   const auto path = std::filesystem::temp_directory_path() / "surfleet_map_file_test.map";
   const TsdfMap map = sample_map(5);
@@ -109,7 +162,8 @@ TEST(sound_checksums_over_unsound_content_are_refused) {
     poke(bad, at, value);
     CHECK_THROWS(Error, decode_map(bad));
   };
-  refused(8, std::uint32_t{2});    // version
+  refused(8, std::uint32_t{0});  // version
+  refused(8, std::uint32_t{3});
   refused(12, std::uint32_t{16});  // block side
   refused(16, -0.1);               // voxel size
   refused(16, std::numeric_limits<double>::quiet_NaN());

@@ -16,7 +16,8 @@ struct VoxelGridOptions;
 class VoxelStateMap;
 struct VoxelStateOptions;
 
-template <typename Voxel, int kSide>
+class SurfaceHits;
+template <typename Voxel, int kSide, typename Layer>
 class VoxelGrid;
-using TsdfMap = VoxelGrid<TsdfVoxel, 8>;
+using TsdfMap = VoxelGrid<TsdfVoxel, 8, SurfaceHits>;
 }  // namespace surfleet

@@ -6,17 +6,17 @@
 /// | bytes | content |
 /// | --- | --- |
 /// | 8 | magic `SFLTTSDF` |
-/// | 4 | version, 1 (uint32) |
+/// | 4 | version, 2 (uint32); 1 is read, too |
 /// | 4 | voxels along a block's edge, 8 (uint32) |
 /// | 8 | voxel size [m] (float64) |
 /// | 8 | number of blocks (uint64) |
-/// | a block | 3 × int32 block index; uint8 kind; payload |
+/// | a block | 3 × int32 block index; uint8 kind; payload; from version 2 on its surface hits |
 /// | 4 | CRC-32 of everything before (uint32) |
 ///
 /// Payload by kind, voxels x fastest, each as distance [m] and weight (float32): 0, all 512 voxels;
 /// 1, a mask of 64 bytes with one bit a voxel, then the voxels whose bit is set (the others were
-/// never seen); 2, one distance that all 512 voxels share, then their 512 weights. Blocks come in
-/// the order in which the map made them.
+/// never seen); 2, one distance that all 512 voxels share, then their 512 weights. Hits are as
+/// `detail/hit_codec.hpp` says. Blocks come in the order in which the map made them.
 #pragma once
 
 #include <algorithm>
@@ -33,6 +33,7 @@
 
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/error.hpp>
+#include <surfleet/mapping/detail/hit_codec.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
 
 namespace surfleet {
@@ -43,7 +44,7 @@ struct MapFileOptions {
 
 namespace detail {
 inline constexpr std::array<char, 8> kMapMagic{'S', 'F', 'L', 'T', 'T', 'S', 'D', 'F'};
-inline constexpr std::uint32_t kMapVersion = 1;
+inline constexpr std::uint32_t kMapVersion = 2;
 enum class MapBlockKind : std::uint8_t { full = 0, masked = 1, level = 2 };
 /// The smallest block of a file: index, kind, an empty mask.
 inline constexpr std::size_t kMapBlockBytes = 12 + 1 + TsdfMap::kBlockVoxels / 8;
@@ -77,6 +78,7 @@ inline void put_map_block(ByteWriter& out, const TsdfMap::Block& block, bool com
     out.put(MapBlockKind::full);
     out.put_array(std::span<const TsdfVoxel>(block.voxels));
   }
+  put_hits(out, block.layer);
 }
 
 inline void get_map_block(ByteReader& in, const std::string& what,
@@ -107,8 +109,9 @@ inline Bytes encode_map(const TsdfMap& map, MapFileOptions options = {}) {
   ByteWriter out;
   std::vector<const TsdfMap::Block*> blocks;
   map.for_each_block([&](const TsdfMap::Block& b) {
-    const bool seen = std::any_of(b.voxels.begin(), b.voxels.end(),
-                                  [](const TsdfVoxel& v) { return v.weight != 0.0F; });
+    const bool seen =
+        !b.layer.empty() || std::any_of(b.voxels.begin(), b.voxels.end(),
+                                        [](const TsdfVoxel& v) { return v.weight != 0.0F; });
     if (seen || !options.skip_unseen) blocks.push_back(&b);
   });
   out.put(detail::kMapMagic);
@@ -128,8 +131,9 @@ inline TsdfMap decode_map(std::span<const std::byte> bytes, const std::string& w
   require(in.get<std::array<char, 8>>() == detail::kMapMagic,
           what + ": not a map file; expected it to begin with SFLTTSDF");
   const auto version = in.get<std::uint32_t>();
-  require(version == detail::kMapVersion, what + ": map format version " + std::to_string(version) +
-                                              "; expected " + std::to_string(detail::kMapVersion));
+  require(version >= 1 && version <= detail::kMapVersion,
+          what + ": map format version " + std::to_string(version) + "; expected 1 to " +
+              std::to_string(detail::kMapVersion));
   const auto side = in.get<std::uint32_t>();
   require(side == TsdfMap::kBlockSide, what + ": blocks of " + std::to_string(side) +
                                            " voxels a side; expected " +
@@ -160,6 +164,7 @@ inline TsdfMap decode_map(std::span<const std::byte> bytes, const std::string& w
             what + ": block " + std::to_string(i) + " occurs twice; expected each block once");
     const std::uint32_t slot = map.ensure_slot(index);
     detail::get_map_block(in, what, map.block(slot).voxels);
+    if (version >= 2) map.block(slot).layer = detail::get_hits(in, what, TsdfMap::kBlockVoxels);
     map.mark_changed(slot);
   }
   require(in.remaining() == 4, what + ": bytes after the last block; expected the end of the file");
@@ -177,7 +182,8 @@ inline TsdfMap load_map(const std::filesystem::path& path) {
 }
 
 /// Folds `patch` into `map`, voxel by voxel, as if `map` had taken the patch's observations too:
-/// distances are averaged by weight, weights added up to `max_weight`. Marks what changed and
+/// distances are averaged by weight, weights added up to `max_weight`, hits added, exactly and in
+/// any order. Marks what changed and
 /// returns the number of changed blocks. Throws `Error` unless the voxel sizes agree.
 inline std::size_t merge_maps(TsdfMap& map, const TsdfMap& patch, double max_weight = 1000.0) {
   require(map.voxel_size() == patch.voxel_size(),
@@ -198,6 +204,11 @@ inline std::size_t merge_maps(TsdfMap& map, const TsdfMap& patch, double max_wei
           to.distance + (from.distance - to.distance) * (from.weight / (to.weight + from.weight));
       differs = differs || weight != to.weight || distance != to.distance;
       to = {distance, weight};
+    }
+    if (!source.layer.empty()) {
+      if (slot == TsdfMap::kNone) slot = map.ensure_slot(source.index);
+      map.block(slot).layer.add(source.layer);
+      differs = true;
     }
     if (!differs) return;
     map.mark_changed(slot);

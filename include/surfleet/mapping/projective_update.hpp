@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/mapping/detail/hit_observer.hpp>
 #include <surfleet/mapping/detail/projective_view.hpp>
 #include <surfleet/mapping/detail/scan_projection.hpp>
 #include <surfleet/mapping/update_policy.hpp>
@@ -105,7 +106,8 @@ class ProjectiveUpdate {
             return block->voxels.data() + static_cast<std::size_t>(z) * BlockObserver::kSlice;
           };
           BlockObserver observer(view, options, map.voxel_size(), b.index);
-          bool changed = false;
+          bool changed = options.keep_hits && options.carve_free_space && block != nullptr &&
+                         detail::observe_passing(view, map.voxel_size(), *block);
           for (int z = 0; z < BlockObserver::kSide; ++z) {
             if (b.free) {
               observer.measure_ranges(z);
@@ -119,6 +121,7 @@ class ProjectiveUpdate {
           changed_[i] = changed ? 1 : 0;
         },
         kBlocksATime);
+    const std::uint64_t before = map.revision();
     std::size_t count = 0;
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       std::unique_ptr<TsdfMap::Block> made = std::move(made_[i]);
@@ -126,11 +129,29 @@ class ProjectiveUpdate {
       map.mark_changed(made ? map.adopt(std::move(made)) : blocks_[i].slot);
       ++count;
     }
+    return options.keep_hits ? count + add_hits(view, options, before, map) : count;
+  }
+
+  /// Puts the view's hits into the map; returns the number of blocks not marked since `before`.
+  std::size_t add_hits(const detail::ProjectiveView& view, const TsdfOptions& options,
+                       std::uint64_t before, TsdfMap& map) {
+    hits_.read(view, map.voxel_size(), options.threads);
+    std::size_t count = 0;
+    std::uint32_t slot = TsdfMap::kNone;
+    hits_.for_each([&](const BlockIndex& index, std::uint16_t key, const auto& sum) {
+      if (slot == TsdfMap::kNone || map.block(slot).index != index) slot = map.ensure_slot(index);
+      TsdfMap::Block& block = map.block(slot);
+      if (!block.layer.ensure(key).take(hits_.hit(sum), options.max_weight)) return;
+      if (block.changed > before) return;
+      map.mark_changed(slot);
+      ++count;
+    });
     return count;
   }
 
   detail::ProjectiveView view_;
   detail::ScanProjection scan_;
+  detail::HitObserver hits_;
   std::vector<detail::ViewedBlock> blocks_;
   std::vector<std::unique_ptr<TsdfMap::Block>> made_;
   std::vector<std::uint8_t> changed_;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <surfleet/core/parallel.hpp>
+#include <surfleet/mapping/detail/ray_hits.hpp>
 #include <surfleet/mapping/update_policy.hpp>
 #include <surfleet/mapping/voxel_traversal.hpp>
 
@@ -74,6 +75,19 @@ class RayTraversalUpdate {
                           const Weight& weight, const TsdfOptions& options, TsdfMap& map) {
     const double mu = options.truncation, h = map.voxel_size();
     const Point3 origin = T_world_sensor.translation();
+    const std::uint64_t before = map.revision();
+    if (options.keep_hits) {
+      detail::RayHits hits(origin, map);
+      for (std::size_t i = 0; i < rays; ++i) {
+        const Ray ray = ray_at(i);
+        if (ray.length <= 0.0) continue;
+        const bool beyond = ray.length > ray.limit;
+        if (options.carve_free_space && (!beyond || options.carve_beyond_range))
+          hits.passes(T_world_sensor.linear() * ray.direction, std::min(ray.length, ray.limit));
+        if (!beyond) hits.ends(T_world_sensor.linear() * ray.direction, ray.length);
+      }
+      hits.add_to(map, options.max_weight);
+    }
     std::vector<SumGrid> parts;
     for (std::size_t i = 0; i < kParts; ++i) parts.emplace_back(VoxelGridOptions{h});
     parallel_for(kParts, options.threads, [&](std::size_t part) {
@@ -158,13 +172,9 @@ class RayTraversalUpdate {
           });
         },
         16);
-    std::size_t changed = 0;
-    for (std::size_t i = 0; i < touched.size(); ++i) {
-      if (flags[i] == 0) continue;
-      map.mark_changed(slots[i]);
-      ++changed;
-    }
-    return changed;
+    for (std::size_t i = 0; i < touched.size(); ++i)
+      if (flags[i] != 0) map.mark_changed(slots[i]);
+    return map.changed_since(before).size();
   }
 };
 

@@ -2,6 +2,9 @@
 /// @file  The voxel of a truncated signed distance field, and the map made of it.
 #pragma once
 
+#include <cstdint>
+
+#include <surfleet/mapping/surface_hits.hpp>
 #include <surfleet/mapping/voxel_grid.hpp>
 
 namespace surfleet {
@@ -11,7 +14,9 @@ struct TsdfVoxel {
   float weight = 0.0F;    ///< ≥ 0.
 };
 
-using TsdfMap = VoxelGrid<TsdfVoxel>;
+/// Distances, and beside them, where surface was met, the hits of either side.
+using TsdfMap = VoxelGrid<TsdfVoxel, 8, SurfaceHits>;
+static_assert(TsdfMap::kBlockVoxels <= SurfaceHits::kVoxels);
 
 /// What is known of a voxel [000 §2.4.1].
 enum class VoxelState : std::uint8_t { unknown = 0, empty = 1, occupied = 2 };

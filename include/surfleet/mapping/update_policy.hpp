@@ -21,7 +21,8 @@ struct TsdfOptions {
   bool carve_beyond_range = true;  ///< A finite reading beyond the range carves up to the range.
   double max_slope = 6.0;          ///< Tangent of the steepest incidence at which neighbouring
                                    ///< pixels count as one surface and are interpolated.
-  int threads = 1;                 ///< The result is the same for any number.
+  bool keep_hits = true;  ///< Keep where rays ended beside the distances: thin things need it.
+  int threads = 1;        ///< The result is the same for any number.
 };
 
 /// A depth image with the camera that took it.

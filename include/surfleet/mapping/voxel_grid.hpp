@@ -33,6 +33,11 @@ void for_each_index(const VoxelIndex& lo, const VoxelIndex& hi, Fn&& fn) {
 }
 using BlockIndex = Eigen::Vector3i;
 
+/// What a block keeps beside its voxels when it keeps nothing.
+struct NoLayer {
+  std::size_t memory_bytes() const { return 0; }
+};
+
 struct VoxelGridOptions {
   double voxel_size = 0.1;  ///< Edge of a voxel [m].
 };
@@ -45,12 +50,16 @@ struct VoxelGridOptions {
 /// `mark_changed`; whoever follows the grid asks `changed_since(cursor)`, whose cost is the number
 /// of changes, not the size of the grid. Reading is thread-safe; writing is, block by block, once
 /// the blocks exist.
-template <typename Voxel, int kSide = 8>
+///
+/// `Layer` is what a block keeps beside its voxels, as a rule something sparse; it is part of the
+/// block for change tracking, copies and memory.
+template <typename Voxel, int kSide = 8, typename Layer = NoLayer>
 class VoxelGrid {
   static_assert(kSide > 0 && (kSide & (kSide - 1)) == 0, "the side is a power of two");
 
  public:
   using voxel_type = Voxel;
+  using layer_type = Layer;
   static constexpr int kBlockSide = kSide;
   static constexpr int kBlockShift = std::countr_zero(static_cast<unsigned>(kSide));
   static constexpr std::size_t kBlockVoxels = static_cast<std::size_t>(kSide) * kSide * kSide;
@@ -59,6 +68,7 @@ class VoxelGrid {
     BlockIndex index = BlockIndex::Zero();
     std::uint64_t changed = 0;  ///< Number of its last change; 0 if never marked.
     std::array<Voxel, kBlockVoxels> voxels{};
+    [[no_unique_address]] Layer layer{};
 
     /// The index of the block's first voxel.
     VoxelIndex origin() const { return index * kSide; }
@@ -75,10 +85,12 @@ class VoxelGrid {
   double voxel_size() const { return options_.voxel_size; }
   std::size_t block_count() const { return blocks_.size(); }
   bool empty() const { return blocks_.empty(); }
-  /// Memory of blocks, table and change log [bytes].
+  /// Memory of blocks, layers, table and change log [bytes]. O(blocks).
   std::size_t memory_bytes() const {
-    return blocks_.size() * (sizeof(Block) + sizeof(void*)) + table_.size() * sizeof(Entry) +
-           log_.size() * sizeof(log_[0]);
+    std::size_t layers = 0;
+    for (const auto& b : blocks_) layers += b->layer.memory_bytes();
+    return layers + blocks_.size() * (sizeof(Block) + sizeof(void*)) +
+           table_.size() * sizeof(Entry) + log_.size() * sizeof(log_[0]);
   }
 
   /// The voxel that holds `p`. Throws `Error` if it does not fit 30 bits an axis.
@@ -146,6 +158,14 @@ class VoxelGrid {
   /// Blocks in the order they were made; slots are indices here.
   const Block& block(std::uint32_t slot) const { return *blocks_[slot]; }
   Block& block(std::uint32_t slot) { return *blocks_[slot]; }
+
+  /// Makes a block what it was when nothing had been written to it, and marks the change: whoever
+  /// follows the grid sees known space become unknown. The block itself stays.
+  void forget(std::uint32_t slot) {
+    blocks_[slot]->voxels.fill(Voxel{});
+    blocks_[slot]->layer = Layer{};
+    mark_changed(slot);
+  }
 
   /// Calls `fn(const Block&)` for every block in the order they were made.
   template <typename Fn>

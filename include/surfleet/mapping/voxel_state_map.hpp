@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <surfleet/mapping/tsdf_map.hpp>
@@ -18,6 +19,45 @@ struct VoxelStateOptions {
   double occupied_below = 0.0;
 };
 
+/// Voxels of a block in which rays ended, but too few to know of surface there: offsets, ascending.
+struct Glimpses {
+  std::vector<std::uint16_t> voxels;
+  std::size_t memory_bytes() const { return voxels.capacity() * sizeof(voxels[0]); }
+  bool operator==(const Glimpses&) const = default;
+};
+
+/// What a block of a TSDF map says of its voxels.
+struct BlockStates {
+  BlockIndex index = BlockIndex::Zero();
+  std::array<VoxelState, TsdfMap::kBlockVoxels> voxels{};
+  Glimpses layer;
+};
+
+/// The states of a block's voxels. Where rays ended often enough and did not pass since, a voxel is
+/// occupied whatever its distance says: sheets and bars that a distance cannot hold are there.
+/// Where they ended less often, down to a sixteenth of that, it is a glimpse.
+inline BlockStates block_states(const TsdfMap::Block& block, const VoxelStateOptions& options) {
+  constexpr double kGlimpse = 1.0 / 16.0;
+  const auto threshold = static_cast<float>(options.known_weight);
+  const auto surface = static_cast<float>(options.occupied_below);
+  BlockStates states;
+  states.index = block.index;
+  for (std::size_t i = 0; i < states.voxels.size(); ++i) {
+    const TsdfVoxel& v = block.voxels[i];
+    states.voxels[i] = voxel_state({v.distance - surface, v.weight}, threshold);
+  }
+  for (const SurfaceHit& hit : block.layer.hits())
+    if (hit.is_solid(options.known_weight)) states.voxels[hit.voxel()] = VoxelState::occupied;
+  for (const SurfaceHit& hit : block.layer.hits()) {
+    const std::size_t v = hit.voxel();
+    auto& seen = states.layer.voxels;
+    if (hit.is_solid(kGlimpse * options.known_weight) && states.voxels[v] != VoxelState::occupied &&
+        (seen.empty() || seen.back() != v))
+      seen.push_back(static_cast<std::uint16_t>(v));
+  }
+  return states;
+}
+
 /// The states of a TSDF map's voxels, one byte each, kept up to date by the change.
 ///
 /// A block that was never made is unknown. `update` costs O(changed blocks of the source); the
@@ -25,7 +65,7 @@ struct VoxelStateOptions {
 /// change than the source had.
 class VoxelStateMap {
  public:
-  using Grid = VoxelGrid<VoxelState, TsdfMap::kBlockSide>;
+  using Grid = VoxelGrid<VoxelState, TsdfMap::kBlockSide, Glimpses>;
 
   explicit VoxelStateMap(const TsdfMap& map, VoxelStateOptions options = {})
       : options_(options), grid_({.voxel_size = map.voxel_size()}) {
@@ -35,26 +75,22 @@ class VoxelStateMap {
   /// Brings the states up to date with `map`, always the same map. Returns the number of blocks
   /// that changed.
   std::size_t update(const TsdfMap& map) {
-    const auto threshold = static_cast<float>(options_.known_weight);
-    const auto surface = static_cast<float>(options_.occupied_below);
     std::size_t changed = 0;
     for (const std::uint32_t slot : map.changed_since(cursor_)) {
-      const TsdfMap::Block& source = map.block(slot);
-      std::array<VoxelState, TsdfMap::kBlockVoxels> states;
-      for (std::size_t i = 0; i < states.size(); ++i) {
-        const TsdfVoxel& v = source.voxels[i];
-        states[i] = voxel_state({v.distance - surface, v.weight}, threshold);
-      }
-      std::uint32_t own = grid_.find_slot(source.index);
+      BlockStates states = block_states(map.block(slot), options_);
+      std::uint32_t own = grid_.find_slot(states.index);
       if (own == Grid::kNone) {
-        if (std::all_of(states.begin(), states.end(),
+        if (states.layer.voxels.empty() &&
+            std::all_of(states.voxels.begin(), states.voxels.end(),
                         [](VoxelState s) { return s == VoxelState::unknown; }))
           continue;
-        own = grid_.ensure_slot(source.index);
-      } else if (grid_.block(own).voxels == states) {
+        own = grid_.ensure_slot(states.index);
+      } else if (grid_.block(own).voxels == states.voxels &&
+                 grid_.block(own).layer == states.layer) {
         continue;
       }
-      grid_.block(own).voxels = states;
+      grid_.block(own).voxels = states.voxels;
+      grid_.block(own).layer = std::move(states.layer);
       grid_.mark_changed(own);
       ++changed;
     }

@@ -65,7 +65,8 @@ namespace detail {
 inline VoxelIndex neighbor_offset(int i) { return {i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1}; }
 }  // namespace detail
 
-/// An empty voxel on the border between the surface and the unknown.
+/// An empty voxel on the border between the surface and the unknown, or a voxel in which rays ended
+/// too seldom to know of surface there, with none known around it.
 struct IncompleteElement {
   VoxelIndex voxel = VoxelIndex::Zero();
   Point3 position = Point3::Zero();                     ///< Its centre [m].
@@ -122,6 +123,10 @@ struct IncompleteSurfaceChange {
 /// n_v = Σ_c w'(c) (c − v) / ‖c − v‖ over `Direction`, w' negative where c is occupied, normalised;
 /// zero where the sum vanishes.
 ///
+/// Where a map keeps glimpses (`Glimpses`) those with no occupied voxel among their 26 neighbours
+/// are elements, too: a wire or a far sheet, met by few rays, that no border leads to. Such a voxel
+/// is its own unknown neighbour, and has no direction.
+///
 /// Follows one map for life: `update` costs O(blocks changed since the last call), whatever the
 /// map's size, and gives what a fresh extraction would. A bit a state and voxel is kept, 0.25 KB a
 /// block. A map that was cleared needs a new object.
@@ -139,36 +144,17 @@ class BasicIncompleteSurface {
   double voxel_size() const { return voxel_size_; }
 
   IncompleteSurfaceChange update(const TsdfMap& map) {
-    return update(map, TsdfStateTest{static_cast<float>(options_.known_weight)});
+    const VoxelStateOptions states{.known_weight = options_.known_weight};
+    return follow(map,
+                  [&](const TsdfMap::Block& b) { read(block_states(b, states), StoredState{}); });
   }
   IncompleteSurfaceChange update(const VoxelStateMap& map) {
-    return update(map.grid(), StoredState{});
+    return follow(map.grid(), [&](const auto& b) { read(b, StoredState{}); });
   }
   /// Brings the elements up to date with `grid`, always the same grid.
   template <typename Voxel, VoxelStateTest<Voxel> Test>
   IncompleteSurfaceChange update(const VoxelGrid<Voxel, kSide>& grid, const Test& state) {
-    IncompleteSurfaceChange change;
-    voxel_size_ = grid.voxel_size();
-    ++pass_;
-    dirty_.clear();
-    reached_.clear();
-    for (const std::uint32_t slot : grid.changed_since(cursor_)) {
-      ++change.blocks_read;
-      read(grid.block(slot), state);
-    }
-    cursor_ = grid.revision();
-    for (const auto& [index, sides] : reached_) {
-      for (int i = 0; i < 27; ++i) {
-        if ((sides >> i & 1U) == 0) continue;
-        const std::uint32_t slot = records_.find_slot(index + detail::neighbor_offset(i));
-        if (slot != Records::kNone) touch(slot);
-      }
-    }
-    change.blocks_examined = dirty_.size();
-    for (const std::uint32_t slot : dirty_) examine(records_.block(slot), change);
-    size_ += change.added;
-    size_ -= change.removed;
-    return change;
+    return follow(grid, [&](const auto& b) { read(b, state); });
   }
 
   std::size_t size() const { return size_; }
@@ -212,8 +198,8 @@ class BasicIncompleteSurface {
   /// One bit a voxel: byte y + 8 z, bit x.
   using Bits = std::array<std::uint8_t, 64>;
   struct Record {
-    Bits empty{}, occupied{}, incomplete{};
-    std::uint8_t any_empty = 0, any_occupied = 0;
+    Bits empty{}, occupied{}, glimpsed{}, incomplete{};
+    std::uint8_t any_empty = 0, any_occupied = 0, any_glimpsed = 0;
     std::uint64_t pass = 0;  ///< Of the last update that listed it as dirty.
     std::vector<IncompleteElement> elements;
   };
@@ -229,6 +215,33 @@ class BasicIncompleteSurface {
     return (dx + 1) + 3 * (dy + 1) + 9 * (dz + 1);
   }
 
+  /// Reads what changed of `grid`, and finds anew what that can concern.
+  template <typename Grid, typename Read>
+  IncompleteSurfaceChange follow(const Grid& grid, Read&& read_block) {
+    IncompleteSurfaceChange change;
+    voxel_size_ = grid.voxel_size();
+    ++pass_;
+    dirty_.clear();
+    reached_.clear();
+    for (const std::uint32_t slot : grid.changed_since(cursor_)) {
+      ++change.blocks_read;
+      read_block(grid.block(slot));
+    }
+    cursor_ = grid.revision();
+    for (const auto& [index, sides] : reached_) {
+      for (int i = 0; i < 27; ++i) {
+        if ((sides >> i & 1U) == 0) continue;
+        const std::uint32_t slot = records_.find_slot(index + detail::neighbor_offset(i));
+        if (slot != Records::kNone) touch(slot);
+      }
+    }
+    change.blocks_examined = dirty_.size();
+    for (const std::uint32_t slot : dirty_) examine(records_.block(slot), change);
+    size_ += change.added;
+    size_ -= change.removed;
+    return change;
+  }
+
   void touch(std::uint32_t slot) {
     Record& record = records_.block(slot).voxels[0];
     if (record.pass == pass_) return;
@@ -239,8 +252,13 @@ class BasicIncompleteSurface {
   /// Takes over a block's states and notes which blocks around it the difference can reach.
   template <typename SourceBlock, typename Test>
   void read(const SourceBlock& block, const Test& state) {
-    Bits empty, occupied;
-    std::uint8_t any_empty = 0, any_occupied = 0;
+    Bits empty, occupied, glimpsed{};
+    std::uint8_t any_empty = 0, any_occupied = 0, any_glimpsed = 0;
+    if constexpr (requires { block.layer.voxels; }) {
+      for (const std::uint16_t v : block.layer.voxels)
+        glimpsed[v / 8] = static_cast<std::uint8_t>(glimpsed[v / 8] | 1U << (v % 8));
+      any_glimpsed = block.layer.voxels.empty() ? 0 : 1;
+    }
     for (std::size_t row = 0; row < 64; ++row) {
       unsigned e = 0, o = 0;
       for (std::size_t x = 0; x < 8; ++x) {
@@ -255,7 +273,7 @@ class BasicIncompleteSurface {
     }
     std::uint32_t slot = records_.find_slot(block.index);
     if (slot == Records::kNone) {
-      if ((any_empty | any_occupied) == 0) return;
+      if ((any_empty | any_occupied | any_glimpsed) == 0) return;
       slot = records_.ensure_slot(block.index);
     }
     Record& record = records_.block(slot).voxels[0];
@@ -264,7 +282,8 @@ class BasicIncompleteSurface {
       for (int y = 0; y < 8; ++y) {
         const std::size_t row = row_of(y, z);
         const auto difference = static_cast<std::uint8_t>((empty[row] ^ record.empty[row]) |
-                                                          (occupied[row] ^ record.occupied[row]));
+                                                          (occupied[row] ^ record.occupied[row]) |
+                                                          (glimpsed[row] ^ record.glimpsed[row]));
         if (difference == 0) continue;
         for (int dz = z == 0 ? -1 : 0; dz <= (z == 7 ? 1 : 0); ++dz)
           for (int dy = y == 0 ? -1 : 0; dy <= (y == 7 ? 1 : 0); ++dy)
@@ -274,6 +293,8 @@ class BasicIncompleteSurface {
     if (changed[4] == 0) return;
     record.empty = empty;
     record.occupied = occupied;
+    record.glimpsed = glimpsed;
+    record.any_glimpsed = any_glimpsed;
     record.any_empty = any_empty;
     record.any_occupied = any_occupied;
     std::uint32_t sides = 0;
@@ -305,7 +326,7 @@ class BasicIncompleteSurface {
     Bits incomplete{};
     PaddedBits occupied, unknown;
     bool candidates = record.any_empty != 0;
-    if (candidates) {
+    if (candidates || record.any_glimpsed != 0) {
       std::array<const Record*, 27> around;
       unsigned any_occupied = 0;
       for (int i = 0; i < 27; ++i) {
@@ -314,28 +335,33 @@ class BasicIncompleteSurface {
         around[static_cast<std::size_t>(i)] = r == nullptr ? &kUnknown : r;
         any_occupied |= r == nullptr ? 0U : r->any_occupied;
       }
-      candidates = any_occupied != 0;
-      if (candidates) pad(around, occupied, unknown);
+      candidates = candidates && any_occupied != 0;
+      if (candidates || record.any_glimpsed != 0) pad(around, occupied, unknown);
     }
     record.elements.clear();
-    for (int z = 0; candidates && z < 8; ++z) {
+    const auto add = [&](int x, int y, int z, std::uint32_t unknown_neighbors) {
+      IncompleteElement e;
+      e.voxel = block.index * kSide + VoxelIndex(x, y, z);
+      e.position = (e.voxel.template cast<double>() + Eigen::Vector3d::Constant(0.5)) * voxel_size_;
+      if (!options_.region.isEmpty() && !options_.region.contains(e.position)) return;
+      e.direction = direction(occupied, x, y, z);
+      e.unknown = unknown_neighbors;
+      incomplete[row_of(y, z)] |= static_cast<std::uint8_t>(1U << x);
+      record.elements.push_back(e);
+    };
+    constexpr std::uint32_t kSelf = 1U << 13;
+    for (int z = 0; (candidates || record.any_glimpsed != 0) && z < 8; ++z) {
       for (int y = 0; y < 8; ++y) {
         const std::size_t row = row_of(y, z);
-        if (record.empty[row] == 0) continue;
-        const unsigned near_occupied = record.empty[row] & near_row<Occupied>(occupied, y, z);
-        if (near_occupied == 0) continue;
-        unsigned found = near_occupied & near_row<Unknown>(unknown, y, z);
-        for (; found != 0; found &= found - 1) {
-          const int x = std::countr_zero(found);
-          IncompleteElement e;
-          e.voxel = block.index * kSide + VoxelIndex(x, y, z);
-          e.position =
-              (e.voxel.template cast<double>() + Eigen::Vector3d::Constant(0.5)) * voxel_size_;
-          if (!options_.region.isEmpty() && !options_.region.contains(e.position)) continue;
-          e.direction = direction(occupied, x, y, z);
-          e.unknown = neighbors_in(unknown, x, y, z);
-          incomplete[row] |= static_cast<std::uint8_t>(1U << x);
-          record.elements.push_back(e);
+        unsigned found = record.empty[row] & near_row<Occupied>(occupied, y, z);
+        if (found != 0) found &= near_row<Unknown>(unknown, y, z);
+        const unsigned alone =
+            record.glimpsed[row] != 0
+                ? record.glimpsed[row] & ~unsigned{near_row<Neighborhood26>(occupied, y, z)}
+                : 0U;
+        for (unsigned bits = found | alone; bits != 0; bits &= bits - 1) {
+          const int x = std::countr_zero(bits);
+          add(x, y, z, (alone >> x & 1U) != 0 ? kSelf : neighbors_in(unknown, x, y, z));
         }
       }
     }

@@ -205,6 +205,38 @@ class ViewedBlockSearch {
   BlockIndex low_, high_;
 };
 
+/// Change of inverse depth a pixel along an image axis; not `known` if neither side tells.
+struct PixelSlope {
+  float value = 0.0F;
+  bool known = false;
+};
+/// The slope along one image axis from `at`, whose coordinate on it is `x`, to `reach` pixels
+/// either side; the straighter side counts more, so that beside a crease the surface the pixel lies
+/// on prevails.
+inline PixelSlope pixel_slope(const float* at, std::int32_t x, std::int32_t size,
+                              std::int32_t stride, float reach, float max_step) {
+  const std::int32_t n = std::clamp(static_cast<std::int32_t>(reach + 0.5F), 1, 64);
+  const std::int32_t half = (n + 1) / 2;
+  const float center = *at;
+  const float per_n = 1.0F / static_cast<float>(n), per_half = 1.0F / static_cast<float>(half);
+  const float limit = max_step * center, per_limit = 1.0F / limit;
+  float sum = 0.0F, weights = 0.0F;
+  // Noise decides what counts: factors in place of branches that nobody could foresee.
+  for (const std::int32_t side : {-1, 1}) {
+    const std::int32_t end = x + side * n;
+    const int inside = int(end >= 0) & int(end < size);
+    const float far = at[inside * side * n * stride], near = at[inside * side * half * stride];
+    const float rise = (far - center) * per_n, start = (near - center) * per_half;
+    const int counts = inside & int(far > 0.0F) & int(near > 0.0F) & int(std::abs(rise) <= limit) &
+                       int(std::abs(start) <= limit);
+    const float bend = std::abs(rise - start) * per_limit + 1e-3F;
+    const float weight = one_if(counts) / (bend * bend);
+    sum += weight * rise * static_cast<float>(side);
+    weights += weight;
+  }
+  return weights > 0.0F ? PixelSlope{sum / weights, true} : PixelSlope{};
+}
+
 /// What a view says of the voxels of one block, slice by slice of constant z index.
 class BlockObserver {
  public:
@@ -364,9 +396,11 @@ class BlockObserver {
         view_.inverse_depth.data() + static_cast<std::ptrdiff_t>(nv) * view_.width + nu;
     // The plane q · p = 1 through the surface point, from slopes over half a voxel's width.
     const float pixels = half_voxel_ * *pixel;
-    const float gu = slope(pixel, nu, view_.width, 1, pixels * view_.fx, view_.max_step_u);
+    const float gu =
+        pixel_slope(pixel, nu, view_.width, 1, pixels * view_.fx, view_.max_step_u).value;
     const float gv =
-        slope(pixel, nv, view_.height, view_.width, pixels * view_.fy, view_.max_step_v);
+        pixel_slope(pixel, nv, view_.height, view_.width, pixels * view_.fy, view_.max_step_v)
+            .value;
     float surface = *pixel + gu * (u - static_cast<float>(nu)) + gv * (v - static_cast<float>(nv));
 
     const auto u0 = static_cast<std::int32_t>(std::max(u, 0.0F));
@@ -387,32 +421,6 @@ class BlockObserver {
     const float qz = surface - gu * (u - view_.cx) - gv * (v - view_.cy);
     const float distance = (1.0F - depth * surface) / std::sqrt(qx * qx + qy * qy + qz * qz);
     sdf[i] = std::clamp(distance, -truncation_, truncation_);
-  }
-
-  /// Change of inverse depth a pixel along one image axis, from `at`, whose coordinate on it is
-  /// `x`, to `reach` pixels either side; the straighter side counts more, so that beside a crease
-  /// the surface the pixel lies on prevails. 0 if neither side continues the surface.
-  static float slope(const float* at, std::int32_t x, std::int32_t size, std::int32_t stride,
-                     float reach, float max_step) {
-    const std::int32_t n = std::clamp(static_cast<std::int32_t>(reach + 0.5F), 1, 64);
-    const std::int32_t half = (n + 1) / 2;
-    const float center = *at;
-    float sum = 0.0F, weights = 0.0F;
-    for (const std::int32_t side : {-1, 1}) {
-      const std::int32_t end = x + side * n;
-      if (end < 0 || end >= size) continue;
-      const float far = at[side * n * stride], near = at[side * half * stride];
-      const float rise = (far - center) / static_cast<float>(n);
-      const float start = (near - center) / static_cast<float>(half);
-      if (far <= 0.0F || near <= 0.0F || std::abs(rise) > max_step * center ||
-          std::abs(start) > max_step * center)
-        continue;
-      const float bend = std::abs(rise - start) / (max_step * center) + 1e-3F;
-      const float weight = 1.0F / (bend * bend);
-      sum += weight * rise * static_cast<float>(side);
-      weights += weight;
-    }
-    return weights > 0.0F ? sum / weights : 0.0F;
   }
 
   const ProjectiveView& view_;
