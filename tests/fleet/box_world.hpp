@@ -41,7 +41,7 @@ inline surfleet::MissionOptions options(const World& world) {
   o.voxel_size = 0.2;
   o.tsdf.truncation = 0.6;
   o.body_radius = 0.4;
-  o.start_clearance = 1.2;
+  o.start_clearance = 1.9;  // as far as it takes until the image is as high as the body
   o.limits.speed = 1.0;
   o.region = surfleet::Box3(surfleet::Point3(-2.0, -1.5, -0.3), surfleet::Point3(2.0, 1.5, 2.3));
   o.bounds = surfleet::Box3(surfleet::Point3(-5.0, -5.0, -3.0), surfleet::Point3(5.0, 5.0, 5.0));

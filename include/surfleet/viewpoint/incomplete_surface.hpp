@@ -152,8 +152,8 @@ class BasicIncompleteSurface {
     return follow(map.grid(), [&](const auto& b) { read(b, StoredState{}); });
   }
   /// Brings the elements up to date with `grid`, always the same grid.
-  template <typename Voxel, VoxelStateTest<Voxel> Test>
-  IncompleteSurfaceChange update(const VoxelGrid<Voxel, kSide>& grid, const Test& state) {
+  template <typename Voxel, typename Layer, VoxelStateTest<Voxel> Test>
+  IncompleteSurfaceChange update(const VoxelGrid<Voxel, kSide, Layer>& grid, const Test& state) {
     return follow(grid, [&](const auto& b) { read(b, state); });
   }
 
