@@ -49,13 +49,13 @@ int run(int argc, char** argv) {
   cli::watch_interrupts();
   cli::ProgressLine line(!a.quiet);
 
-  CoverageWatch watch(site, half_voxel_diagonal(s.voxel));
+  CoverageWatch watch(site, s);
   const InspectionRun run =
       run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap& map) {
         watch(p, map);
         char text[160];
         std::snprintf(text, sizeof text,
-                      "%5.0f s  %7.1f m  %5.1f %% seen  %5zu incomplete elements", p.time,
+                      "%5.0f s  %7.1f m  %5.1f %% covered  %5zu incomplete elements", p.time,
                       p.path_length, 100.0 * watch.curve().last(), p.incomplete);
         line(text);
         return !cli::interrupted();

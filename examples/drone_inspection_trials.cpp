@@ -88,7 +88,7 @@ int run(int argc, char** argv) {
         s.planner = planner;
         s.robots = n;
         s.seed = base.seed + static_cast<std::uint64_t>(k);
-        CoverageWatch watch(site, half_voxel_diagonal(s.voxel));
+        CoverageWatch watch(site, s);
         const InspectionRun one =
             run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap& map) {
               watch(p, map);

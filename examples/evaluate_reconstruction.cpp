@@ -28,14 +28,16 @@ struct Surface {
   const std::vector<Point3>& points() const { return is_mesh() ? mesh.vertices : cloud.points; }
 };
 
-Surface read_surface(const std::string& path) {
+Surface read_surface(const std::string& path, double known_weight) {
   Surface surface;
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   // A PLY file may hold either; its header tells.
   if (extension == ".sfm") {
-    surface.mesh = extract_mesh(load_map(path), {.min_weight = 1e-6});
-    require(surface.is_mesh(), path + ": no surface in this map; expected one that saw some");
+    surface.mesh = extract_surface(load_map(path), {.min_weight = known_weight});
+    require(surface.is_mesh(), path +
+                                   ": no surface in this map; expected one that saw some, or a "
+                                   "lower --known-weight");
     return surface;
   }
   bool cloud = extension == ".xyz";
@@ -143,7 +145,8 @@ int evaluate_files(int argc, char** argv) {
       "Measures a reconstruction against a reference: surface coverage at e_max, M3C2 mean, "
       "standard deviation and RMSE, and distances both ways.\nMeshes: .ply .obj .stl .off; "
       "clouds: .ply .xyz; maps as missions leave them: .sfm. Lengths in metres.");
-  std::string reference_path, reconstruction_path, out;
+  std::string reference_path, reconstruction_path, out, sides = "front";
+  double known_weight = 0.3;
   std::vector<double> crop;
   double max_core_points = 200000;
   EvaluationOptions options;
@@ -151,6 +154,14 @@ int evaluate_files(int argc, char** argv) {
   app.add("RECONSTRUCTION", reconstruction_path, "Mesh or cloud to judge").required();
   app.add("--emax", options.e_max,
           "A reference point is covered by surface this near [m]; half a voxel's diagonal");
+  app.add(
+         "--sides", sides,
+         "which sides of the reference are to be covered, by surface that faces the same way: "
+         "front, that of its normals; both, as of a sheet that can be seen from either; any, where "
+         "surfaces have no consistent side")
+      .one_of({"front", "both", "any"});
+  app.add("--known-weight", known_weight, "W_th: weight from which a map's voxels count")
+      .positive();
   app.add("--density", options.density,
           "Points per square metre sampled on meshes; 0: about 8 in an M3C2 cylinder");
   app.add("--points", max_core_points, "Reference points judged, at most about");
@@ -177,8 +188,9 @@ int evaluate_files(int argc, char** argv) {
   require(positive_or_zero(options.max_depth), "--max-depth: expected 0 or more metres");
   std::optional<Box3> box;
   if (!crop.empty()) box = cli::box_from_numbers(crop, "--crop");
-  Surface reference = read_surface(reference_path);
-  Surface reconstruction = read_surface(reconstruction_path);
+  options.sided = sides != "any";
+  Surface reference = read_surface(reference_path, known_weight);
+  Surface reconstruction = read_surface(reconstruction_path, known_weight);
 
   // Reference points are judged inside the box. The reconstruction keeps a rim of e_max around
   // it, so that what covers a point beside a face of the box counts.
@@ -195,11 +207,16 @@ int evaluate_files(int argc, char** argv) {
     return s.is_mesh() ? MeasuredSurface::from(s.mesh, options) : MeasuredSurface::from(s.cloud);
   };
   const MeasuredSurface truth = measured(reference);
-  const PointCloud judged =
+  PointCloud judged =
       thinned(in_box(truth.cloud()), static_cast<std::size_t>(std::min(max_core_points, 1e9)));
   require(judged.size() > 0,
           reference_path + ": no surface to judge by" +
               (box ? " in --crop; expected a box that meets the reference" : ""));
+  if (sides == "both") {
+    require(judged.normals.size() == judged.size(),
+            "--sides both: " + reference_path + " has no normals; expected a mesh or a cloud with");
+    judged = with_both_sides(judged);
+  }
   const MeasuredSurface result = measured(reconstruction);
   if (!out.empty()) cli::prepare_output_folder(out);
   const ReconstructionEvaluation e = evaluate(judged, truth, result, options);
@@ -210,6 +227,7 @@ int evaluate_files(int argc, char** argv) {
   const auto centimetres = [](double v) { return format_number(100.0 * v, 2); };
   table.add_row(
       {"surface coverage within e_max", format_number(100.0 * m.surface_coverage, 2), "%"});
+  table.add_row({"the same, facing either way", format_number(100.0 * m.unsided_coverage, 2), "%"});
   table.add_row({"the same by M3C2", format_number(100.0 * m.m3c2_coverage(), 2), "%"});
   table.add_row({"M3C2 mean", centimetres(m.m3c2_mean_m), "cm"});
   table.add_row({"M3C2 standard deviation", centimetres(m.m3c2_std_m), "cm"});
@@ -226,6 +244,8 @@ int evaluate_files(int argc, char** argv) {
 
   nlohmann::ordered_json json;
   json["surface_coverage"] = m.surface_coverage;
+  json["unsided_coverage"] = m.unsided_coverage;
+  json["sides"] = sides;
   json["m3c2_coverage"] = m.m3c2_coverage();
   json["m3c2_mean_m"] = m.m3c2_mean_m;
   json["m3c2_std_m"] = m.m3c2_std_m;
@@ -299,19 +319,20 @@ int evaluate_files(int argc, char** argv) {
   Surface judged_surface;
   judged_surface.cloud = judged;
   std::vector<Rgb> found;
-  for (const double d : e.reference_distance)
+  for (const double d : e.facing_distance)
     found.push_back(d <= options.e_max ? Rgb{120, 170, 150} : Rgb{206, 60, 60});
   add_views(report, judged_surface, found, "Reference points: green covered, red missing",
             judged.points, options.threads);
   report.add_heading("Distributions");
   report.add_plot(histogram(e.m3c2.distance, options.depth()), true);
-  report.add_plot(coverage_curve(e.reference_distance, options.e_max), true);
+  report.add_plot(coverage_curve(e.facing_distance, options.e_max), true);
   report.add_heading("Figures").add_table(table);
   report.add_paragraph(
-      "Coverage is the share of reference points, spread evenly by area, whose nearest point of "
-      "the reconstructed surface lies within e_max. M3C2 (Lague et al. 2013) compares the two "
-      "surfaces along the reference's normals; its mean, deviation and RMSE are over distances up "
-      "to e_max, as in the publications compared with.");
+      "Coverage is the share of reference points, spread evenly by area, that have some part of "
+      "the "
+      "reconstructed surface within e_max that faces the side they are to be covered from. M3C2 "
+      "(Lague et al. 2013) compares the two surfaces along the reference's normals; its mean, "
+      "deviation and RMSE are over distances up to e_max.");
   report.write(folder / "report.html");
   return cli::kDone;
 }

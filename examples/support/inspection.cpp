@@ -127,7 +127,7 @@ void InspectionSite::find_reference(const InspectionSettings& settings, const Po
   o.camera = camera;
   o.threads = settings.threads;
   const ObservableSurface seen = observable_surface(samples.cloud, caster, lattice, o);
-  reference = select(samples, seen.visible).cloud;
+  reference = oriented_samples(samples.cloud, seen);
   reference_share = seen.fraction();
   require(!reference.points.empty(),
           scene.name +
@@ -165,6 +165,12 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   return o;
 }
 
+TriangleMesh reconstruction_of(const TsdfMap& map, const InspectionSettings& s,
+                               const Box3& region) {
+  return cropped(extract_surface(map, {.min_weight = s.known_weight, .threads = s.threads}),
+                 region);
+}
+
 InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
                              const InspectionProgress& progress) {
   const std::vector<Configuration> starts = site.starts(s, s.robots);
@@ -173,17 +179,21 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     DroneWorld<EmbreeRayCaster> world = site.world(s);
     Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site, starts),
                                                              world, starts, planner_for(s));
-    const auto before = std::chrono::steady_clock::now();
-    mission.on_progress = [&](const MissionProgress& p) { return progress(p, mission.map()); };
+    using Clock = std::chrono::steady_clock;
+    const auto before = Clock::now();
+    Clock::duration watched{};
+    mission.on_progress = [&](const MissionProgress& p) {
+      const auto asked = Clock::now();
+      const bool go_on = progress(p, mission.map());
+      watched += Clock::now() - asked;
+      return go_on;
+    };
     run.result = mission.run();
-    run.wall_time =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    run.wall_time = std::chrono::duration<double>(Clock::now() - before - watched).count();
     run.map = mission.take_map();
     run.mission_memory = peak_memory();
   }
-  run.reconstruction =
-      cropped(extract_surface(run.map, {.min_weight = s.known_weight, .threads = s.threads}),
-              site.scene.region);
+  run.reconstruction = reconstruction_of(run.map, s, site.scene.region);
   return run;
 }
 
@@ -196,13 +206,24 @@ std::vector<std::vector<Point3>> InspectionRun::paths() const {
   return all;
 }
 
+ReconstructionEvaluation evaluate_mesh(const InspectionSettings& s, const InspectionSite& site,
+                                       const TriangleMesh& mesh) {
+  const TriangleMesh structure = site.scene.structure();
+  const EvaluationOptions e = evaluation_options(s, std::max(structure.area(), mesh.area()));
+  return evaluate(site.reference, MeasuredSurface::from(structure, e),
+                  MeasuredSurface::from(mesh, e), e);
+}
+
 InspectionJudgement judge_inspection(const InspectionSettings& s, const InspectionSite& site,
                                      const InspectionRun& run) {
-  const TriangleMesh structure = site.scene.structure();
-  const EvaluationOptions e =
-      evaluation_options(s, std::max(structure.area(), run.reconstruction.area()));
-  return {.evaluation = evaluate(site.reference, MeasuredSurface::from(structure, e),
-                                 MeasuredSurface::from(run.reconstruction, e), e),
-          .paths = judge_paths(site.judge, run.paths(), s.radius)};
+  InspectionJudgement judged{.evaluation = evaluate_mesh(s, site, run.reconstruction),
+                             .point_coverage = {},
+                             .paths = judge_paths(site.judge, run.paths(), s.radius)};
+  if (!run.points.points.empty())
+    judged.point_coverage =
+        oriented_coverage(site.reference, OrientedSurface(run.points),
+                          {.e_max = half_voxel_diagonal(s.voxel), .threads = s.threads})
+            .share();
+  return judged;
 }
 }  // namespace surfleet::examples

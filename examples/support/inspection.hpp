@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "support/inspection_settings.hpp"
@@ -32,7 +33,7 @@ struct InspectionSite {
   MeshJudge judge;
   PinholeCamera camera;
   SurfaceSamples samples;        ///< Of the structure in the region.
-  PointCloud reference;          ///< Those of what could be seen.
+  PointCloud reference;          ///< What could be seen; normals to the sides it is seen from.
   double reference_share = 1.0;  ///< Of the samples.
 
   /// Throws `Error` where the region has nothing to be seen.
@@ -52,11 +53,16 @@ struct InspectionSite {
 MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site,
                                const std::vector<Configuration>& starts);
 
+/// What is handed over of a map, and judged, while a mission is under way and at its end: the
+/// surface of what it knows at W_th, cut to the region.
+TriangleMesh reconstruction_of(const TsdfMap& map, const InspectionSettings& s, const Box3& region);
+
 /// A finished mission and what it brought back.
 struct InspectionRun {
   MissionResult result;
   TsdfMap map;
   TriangleMesh reconstruction;     ///< Cut to the region, without the ground.
+  PointCloud points;               ///< Of the surface, beside the mesh; empty if there are none.
   double wall_time = 0.0;          ///< Of the mission alone [s].
   std::size_t mission_memory = 0;  ///< The process's largest until the mission's end [bytes].
 
@@ -64,14 +70,19 @@ struct InspectionRun {
 };
 /// How good that is, against the true scene.
 struct InspectionJudgement {
-  ReconstructionEvaluation evaluation;
+  ReconstructionEvaluation evaluation;   ///< Of the mesh.
+  std::optional<double> point_coverage;  ///< Of the points, if there are any.
   JudgeReport paths;
 };
 
 /// Told about once a simulated second; ends the mission by returning false.
 using InspectionProgress = std::function<bool(const MissionProgress&, const TsdfMap&)>;
+/// `wall_time` leaves out what `progress` takes.
 InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
                              const InspectionProgress& progress);
+/// The errors of `mesh` against the site's reference, which must have been found.
+ReconstructionEvaluation evaluate_mesh(const InspectionSettings& s, const InspectionSite& site,
+                                       const TriangleMesh& mesh);
 /// The site's reference must have been found.
 InspectionJudgement judge_inspection(const InspectionSettings& s, const InspectionSite& site,
                                      const InspectionRun& run);

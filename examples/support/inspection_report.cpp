@@ -51,6 +51,8 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"path_length_m", run.result.path_length},
           {"path_to_coverage_m", milestones},
           {"surface_coverage", m.surface_coverage},
+          {"point_coverage",
+           judged.point_coverage ? nlohmann::json(*judged.point_coverage) : nlohmann::json()},
           {"m3c2_coverage", m.m3c2_coverage()},
           {"observable_share", site.reference_share},
           {"m3c2_mean_m", number(m.m3c2_mean_m)},
@@ -120,7 +122,7 @@ void write_judgement(const std::filesystem::path& out, const InspectionSettings&
                     s.planner + ", seed " + std::to_string(s.seed));
   const std::vector<KeyFigure> key{
       {"surface coverage", format_number(100.0 * m.surface_coverage, 1) + " %",
-       "of what could be seen"},
+       "of what could be seen, side by side"},
       {"total path", format_number(run.result.total_path_length(), 1) + " m", ""},
       {"completion time", format_minutes(run.result.completion_time), "min:s"},
       {"RMSE", format_number(100.0 * m.rmse_m, 2) + " cm", "M3C2 over what is covered"},
@@ -140,9 +142,7 @@ void write_judgement(const std::filesystem::path& out, const InspectionSettings&
   std::vector<double> minutes, percent;
   for (const double t : curve.time) minutes.push_back(t / 60.0);
   for (const double c : curve.coverage) percent.push_back(100.0 * c);
-  Plot coverage{.title = "Coverage (quick probe under way)",
-                .x_label = "time [min]",
-                .y_label = "coverage [%]"};
+  Plot coverage{.title = "Coverage under way", .x_label = "time [min]", .y_label = "coverage [%]"};
   coverage.add("", minutes, percent);
   Plot work{.title = "Incomplete surface elements", .x_label = "time [min]", .y_label = "elements"};
   work.add("", minutes, curve.incomplete);
@@ -151,16 +151,18 @@ void write_judgement(const std::filesystem::path& out, const InspectionSettings&
   report.add_plot(coverage, true);
   report.add_plot(work, true);
   report.add_plot(distance, true);
-  std::vector<OwnRun> own{{"this run", s.robots, s.planner, run.result.total_path_length(),
-                           run.result.completion_time, m.surface_coverage, m.m3c2_mean_m,
-                           m.m3c2_std_m, m.rmse_m}};
-  constexpr double kPublishedCoverage = 0.90;  // where most of the published runs end
-  if (const auto at = curve.reached(kPublishedCoverage)) {
-    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-    own.push_back({"this run, under way", s.robots, s.planner, at->path, at->time,
-                   kPublishedCoverage, kUnknown, kUnknown, kUnknown});
+  if (has_published_figures(s)) {
+    std::vector<OwnRun> own{{"this run", s.robots, s.planner, run.result.total_path_length(),
+                             run.result.completion_time, m.surface_coverage, m.m3c2_mean_m,
+                             m.m3c2_std_m, m.rmse_m}};
+    constexpr double kPublishedCoverage = 0.90;  // where most of the published runs end
+    if (const auto at = curve.reached(kPublishedCoverage)) {
+      constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+      own.push_back({"this run, under way", s.robots, s.planner, at->path, at->time,
+                     kPublishedCoverage, kUnknown, kUnknown, kUnknown});
+    }
+    report.add_table(comparison_table(s.preset, own));
   }
-  report.add_table(comparison_table(s.preset, own));
   Table left{.caption = "Incomplete elements left, by reason", .columns = {"reason", "elements"}};
   for (const auto& [reason, count] : run.result.reasons)
     left.add_row({std::string(name_of(reason)), std::to_string(count)});

@@ -14,37 +14,32 @@
 #include "support/inspection.hpp"
 
 namespace surfleet::examples {
-/// A quick look at the coverage of a map under way: the share of some thousand reference points
-/// whose voxel knows of a surface within e_max. The judgement at the end is made on the mesh.
+/// The coverage of a map under way: that of the final judgement, of the surface that would be
+/// handed over now, at some thousand of the reference points.
 class CoverageProbe {
  public:
-  CoverageProbe(const InspectionSite& site, double e_max) : e_max_(e_max) {
-    const auto& points = site.reference.points;
-    const std::size_t stride = std::max<std::size_t>(1, points.size() / 8000);
-    for (std::size_t i = 0; i < points.size(); i += stride) points_.push_back(points[i]);
+  /// The site must outlive it, with its reference found.
+  CoverageProbe(const InspectionSite& site, const InspectionSettings& s)
+      : site_(&site), settings_(s) {
+    const PointCloud& all = site.reference;
+    const std::size_t stride = std::max<std::size_t>(1, all.size() / 8000);
+    for (std::size_t i = 0; i < all.size(); i += stride) {
+      samples_.points.push_back(all.points[i]);
+      samples_.normals.push_back(all.normals[i]);
+    }
   }
   double operator()(const TsdfMap& map) const {
-    std::size_t covered = 0;
-    auto voxels = map.accessor();
-    for (const Point3& p : points_) {
-      const VoxelIndex v = map.index_of(p);
-      bool near = false;
-      for (int k = 0; k < 7 && !near; ++k) {
-        VoxelIndex n = v;
-        if (k > 0) n[(k - 1) / 2] += (k & 1) != 0 ? 1 : -1;
-        const TsdfVoxel* x = voxels.find(n);
-        near = x != nullptr && x->weight > 0.0F &&
-               std::abs(static_cast<double>(x->distance)) <= e_max_;
-      }
-      covered += near ? 1 : 0;
-    }
-    return points_.empty() ? 0.0
-                           : static_cast<double>(covered) / static_cast<double>(points_.size());
+    const OrientedSurface surface(reconstruction_of(map, settings_, site_->scene.region));
+    return oriented_coverage(
+               samples_, surface,
+               {.e_max = half_voxel_diagonal(settings_.voxel), .threads = settings_.threads})
+        .share();
   }
 
  private:
-  double e_max_;
-  std::vector<Point3> points_;
+  const InspectionSite* site_;
+  InspectionSettings settings_;
+  PointCloud samples_;
 };
 
 /// Coverage and work over time, from the probe.
@@ -70,7 +65,7 @@ struct CoverageCurve {
 /// Looks at a mission's coverage while it is under way.
 class CoverageWatch {
  public:
-  CoverageWatch(const InspectionSite& site, double e_max) : probe_(site, e_max) {}
+  CoverageWatch(const InspectionSite& site, const InspectionSettings& s) : probe_(site, s) {}
   void operator()(const MissionProgress& p, const TsdfMap& map) {
     if (p.time < next_) return;
     next_ = p.time + kPeriod;
@@ -88,6 +83,10 @@ class CoverageWatch {
   double next_ = 0.0;
 };
 constexpr std::array<double, 3> kMilestones{0.90, 0.95, 0.98};  ///< Shares whose path is reported.
+
+/// Whether the published figures are those of this scene and these settings: of a bundled structure
+/// with its own preset, never of a user's mesh.
+inline bool has_published_figures(const InspectionSettings& s) { return s.scene == s.preset; }
 
 /// `metrics.json`.
 nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,

@@ -8,6 +8,7 @@
 #include <surfleet/evaluation/image.hpp>
 #include <surfleet/evaluation/m3c2.hpp>
 #include <surfleet/evaluation/observable_surface.hpp>
+#include <surfleet/evaluation/oriented_coverage.hpp>
 #include <surfleet/evaluation/plot.hpp>
 #include <surfleet/evaluation/published_figures.hpp>
 #include <surfleet/evaluation/rasterizer.hpp>

@@ -133,6 +133,41 @@ TEST(sign_follows_the_normal_and_order) {
   CHECK_NEAR(m3c2(core, a, b, o).distance[0], -0.1, 1e-9);
 }
 
+TEST(a_thin_walls_faces_are_told_apart_by_their_normals) {
+  // A wall of 5 cm, and what was made of it: each face 1 cm further out.
+  const auto wall = [](double half, std::uint64_t seed) {
+    PointCloud cloud = noisy_plane(3000, 2.0, half, 0.0, seed);
+    cloud.normals.assign(cloud.size(), Eigen::Vector3f::UnitZ());
+    const PointCloud under = noisy_plane(2000, 2.0, -half, 0.0, seed + 1);
+    cloud.points.insert(cloud.points.end(), under.points.begin(), under.points.end());
+    cloud.normals.resize(cloud.size(), -Eigen::Vector3f::UnitZ());
+    return cloud;
+  };
+  PointCloud core;
+  core.points = {{0, 0, 0.025}, {0, 0, -0.025}};
+  core.normals = {Eigen::Vector3f::UnitZ(), -Eigen::Vector3f::UnitZ()};
+  M3C2Options o{.projection_scale = 0.5, .max_depth = 0.3};
+  const PointCloud truth = wall(0.025, 1), made = wall(0.035, 3);
+  for (const double d : m3c2(core, truth, made, o).distance) CHECK_NEAR(d, 0.01, 1e-6);
+  // A reference that is a sheet has one normal and two sides.
+  PointCloud sheet = noisy_plane(3000, 2.0, 0.0, 0.0, 5);
+  sheet.normals.assign(sheet.size(), Eigen::Vector3f::UnitZ());
+  for (const double d : m3c2(core, sheet, made, o).distance) CHECK_NEAR(d, 0.035, 1e-6);
+  // What shows one face alone has no distance at the other.
+  PointCloud upper = noisy_plane(3000, 2.0, 0.035, 0.0, 6);
+  upper.normals.assign(upper.size(), Eigen::Vector3f::UnitZ());
+  const M3C2Result half = m3c2(core, truth, upper, o);
+  CHECK_NEAR(half.distance[0], 0.01, 1e-6);
+  CHECK(std::isnan(half.distance[1]));
+  // Without normals, or told not to look at them, all count.
+  o.sided = false;
+  CHECK(std::abs(m3c2(core, truth, made, o).distance[0]) < 0.005);
+  o.sided = true;
+  PointCloud bare = upper;
+  bare.normals.clear();
+  CHECK_NEAR(m3c2(core, sheet, bare, o).distance[1], -0.035, 1e-6);
+}
+
 TEST(median_shrugs_off_outliers) {
   const PointCloud a = noisy_plane(4000, 2.0, 0.0, 0.0, 8);
   PointCloud b = noisy_plane(4000, 2.0, 0.05, 0.0, 9);

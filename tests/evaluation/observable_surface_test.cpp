@@ -22,7 +22,7 @@ double share(const PointCloud& samples, const ObservableSurface& seen, Which&& w
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (which(samples.points[i])) {
       n += 1;
-      v += seen.visible[i];
+      v += seen.seen_from[i] != 0 ? 1 : 0;
     }
   return n > 0 ? v / n : -1.0;
 }
@@ -51,10 +51,26 @@ TEST(a_box_in_a_closed_room) {
   CHECK_NEAR(share(samples, seen, [&](const Point3& p) { return !under(p); }), 1.0, 0.01);
   // Every witness really sees its point.
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (seen.visible[i] == 0) continue;
-    const Eigen::Vector3d ray = samples.points[i] - seen.seen_from[i];
-    CHECK(!bvh.cast(seen.seen_from[i], ray.normalized(), ray.norm() - 0.01).has_value());
+    if ((seen.seen_from[i] & ObservableSurface::kFront) == 0) continue;
+    const Point3& viewer = seen.viewers[i][0];
+    const Eigen::Vector3d ray = samples.points[i] - viewer;
+    CHECK(!bvh.cast(viewer, ray.normalized(), ray.norm() - 0.01).has_value());
   }
+}
+
+TEST(the_inside_of_a_solid_is_no_side_to_be_seen_from) {
+  TriangleMesh scene = test_shapes::box({-5, -5, 0}, {5, 5, 6}, true);
+  append(scene, test_shapes::box({-1, -1, 0}, {1, 1, 2}));
+  const Bvh bvh(scene);
+  const ReachableLattice lattice(
+      bvh, {.bounds = Box3(Point3(-9, -9, -3), Point3(9, 9, 9)), .start = {3, 3, 3}});
+  const auto samples = sample_surface(scene, {.density = 20}).cloud;
+  const auto seen = observable_surface(samples, bvh, lattice, wide_camera());
+  std::size_t wrong = 0;
+  for (const std::uint8_t sides : seen.seen_from)
+    wrong += (sides & ObservableSurface::kBack) != 0 ? 1 : 0;
+  // The tolerance lets rays in along the edges, a millimetre wide.
+  CHECK(wrong <= samples.size() / 1000);
 }
 
 TEST(rooms_without_a_door_are_not_entered) {
@@ -127,6 +143,47 @@ TEST(one_sided_surfaces_show_their_front) {
   CHECK(observable_surface(samples, bvh, below, o).visible_count == 0);
 }
 
+TEST(a_sheet_is_seen_from_two_sides_and_a_wall_from_one_each) {
+  const FlightSpace around{.bounds = Box3(Point3(-5, -5, -4), Point3(5, 5, 4)), .start = {4, 4, 3}};
+  // A sheet without thickness, its back turned to half of the space.
+  const TriangleMesh sheet = test_shapes::plane(6.0, 2, 0.0);
+  const Bvh sheet_bvh(sheet);
+  const auto samples = sample_surface(sheet, {.density = 10}).cloud;
+  const ReachableLattice lattice(sheet_bvh, around);
+  const auto seen = observable_surface(samples, sheet_bvh, lattice, wide_camera());
+  const PointCloud oriented = oriented_samples(samples, seen);
+  CHECK(seen.fraction() == 1.0);
+  CHECK(oriented.size() == 2 * samples.size());
+  for (std::size_t i = 0; i < oriented.size(); ++i)
+    CHECK(oriented.normals[i].z() == (i < samples.size() ? 1.0F : -1.0F));
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    CHECK(seen.viewers[i][0].z() > 0.0 && seen.viewers[i][1].z() < 0.0);
+  // From above alone it has one side, whichever way its triangles are wound.
+  FlightSpace above = around;
+  above.bounds.min().z() = 1.5;
+  TriangleMesh turned = sheet;
+  for (Triangle& t : turned.triangles) std::swap(t[1], t[2]);
+  for (const TriangleMesh& mesh : {sheet, turned}) {
+    const Bvh bvh(mesh);
+    const auto front = sample_surface(mesh, {.density = 10}).cloud;
+    const PointCloud up = oriented_samples(
+        front, observable_surface(front, bvh, ReachableLattice(bvh, above), wide_camera()));
+    CHECK(up.size() == front.size());
+    for (const Eigen::Vector3f& n : up.normals) CHECK(n.z() == 1.0F);
+  }
+  // A wall of 2 cm, closed: each face has its outer side alone.
+  const TriangleMesh wall = test_shapes::box({-3, -3, -0.01}, {3, 3, 0.01});
+  const Bvh wall_bvh(wall);
+  const auto faces = sample_surface(wall, {.density = 10}).cloud;
+  const auto outside =
+      observable_surface(faces, wall_bvh, ReachableLattice(wall_bvh, around), wide_camera());
+  CHECK(std::count_if(outside.seen_from.begin(), outside.seen_from.end(), [](std::uint8_t sides) {
+          return sides > ObservableSurface::kFront;
+        }) <= static_cast<std::ptrdiff_t>(faces.size() / 250));
+  CHECK(outside.fraction() > 0.99);
+  CHECK_THROWS(Error, oriented_samples(faces, seen));
+}
+
 TEST(threads_change_nothing_and_bad_input_is_refused) {
   const TriangleMesh block = test_shapes::box({-1, -1, 0}, {1, 1, 2});
   const Bvh bvh(block);
@@ -137,7 +194,7 @@ TEST(threads_change_nothing_and_bad_input_is_refused) {
   const auto one = observable_surface(samples, bvh, lattice, o);
   o.threads = 2;
   const auto two = observable_surface(samples, bvh, lattice, o);
-  CHECK(one.visible == two.visible && one.seen_from == two.seen_from);
+  CHECK(one.seen_from == two.seen_from && one.viewers == two.viewers);
   CHECK(observable_surface({}, bvh, lattice, o).fraction() == 0.0);
   FlightSpace bad = space;
   bad.start = {0.5, 0, 1.0};

@@ -103,6 +103,35 @@ TEST(clouds_are_measured_by_their_points) {
   CHECK_NEAR(e.metrics.m3c2_mean_m, 0.02, 1e-9);
 }
 
+TEST(a_sheet_has_two_sides_to_cover) {
+  const TriangleMesh sheet = test_shapes::plane(4.0, 8, 0.0);
+  TriangleMesh one_side = test_shapes::plane(4.0, 8, 0.02), both = one_side;
+  TriangleMesh under = test_shapes::plane(4.0, 8, -0.02);
+  for (Triangle& t : under.triangles) std::swap(t[1], t[2]);
+  append(both, under);
+  const EvaluationOptions o{.e_max = 0.1, .density = 1000};
+  const PointCloud samples = with_both_sides(sample_surface(sheet, {.density = 50}).cloud);
+  const MeasuredSurface truth = MeasuredSurface::from(sheet, o);
+  const auto of = [&](const TriangleMesh& mesh) {
+    return evaluate(samples, truth, MeasuredSurface::from(mesh, o), o);
+  };
+  CHECK(of(one_side).metrics.surface_coverage == 0.5);
+  CHECK(of(one_side).metrics.unsided_coverage == 1.0);
+  const auto e = of(both);
+  CHECK(e.metrics.surface_coverage == 1.0);
+  // Both faces stand 2 cm before the sheet, and are not averaged to nothing.
+  CHECK_NEAR(e.metrics.m3c2_mean_m, 0.02, 1e-6);
+  CHECK_NEAR(e.metrics.m3c2_std_m, 0.0, 1e-6);
+  CHECK(e.metrics.m3c2_coverage() > 0.99);
+  // What faces away covers nothing, unless sides are not asked for.
+  EvaluationOptions any = o;
+  any.sided = false;
+  const PointCloud front = sample_surface(sheet, {.density = 50}).cloud;
+  CHECK(evaluate(front, truth, MeasuredSurface::from(under, o), o).metrics.surface_coverage == 0.0);
+  CHECK(evaluate(front, truth, MeasuredSurface::from(under, o), any).metrics.surface_coverage ==
+        1.0);
+}
+
 TEST(signed_distances_know_inside_from_outside) {
   const TriangleMesh sphere = test_shapes::sphere(1.0, 5);
   const std::vector<Point3> p{{1.1, 0, 0}, {0.8, 0, 0}, {5, 0, 0}};

@@ -73,6 +73,39 @@ TEST(bvh_takes_degenerate_triangles) {
   compare(mesh, random, 200);
 }
 
+TEST(bvh_finds_the_nearest_of_those_that_are_accepted) {
+  Random random(3);
+  TriangleMesh mesh = soup(random, 400, 0.8);
+  for (int i = 0; i < 50; ++i)
+    mesh.triangles.push_back({0, 1, 2});  // equal ones: the lowest counts
+  const Bvh bvh(mesh);
+  for (int i = 0; i < 300; ++i) {
+    const Point3 p = draw(random, 8.0);
+    const Eigen::Vector3d side = draw(random, 1.0);
+    const double reach = random.uniform(0.1, 4.0);
+    const auto accept = [&](std::int32_t t) {
+      return mesh.area_vector(static_cast<std::size_t>(t)).dot(side) > 0.0;
+    };
+    double best = std::numeric_limits<double>::infinity();
+    std::int32_t which = -1;
+    for (std::int32_t t = 0; t < static_cast<std::int32_t>(mesh.triangles.size()); ++t) {
+      const auto k = static_cast<std::size_t>(t);
+      const double d =
+          (closest_on_triangle(p, mesh.corner(k, 0), mesh.corner(k, 1), mesh.corner(k, 2)) - p)
+              .norm();
+      if (accept(t) && d <= reach && d < best) {
+        best = d;
+        which = t;
+      }
+    }
+    const auto near = bvh.closest_point_where(p, reach, accept);
+    CHECK(near.has_value() == (which >= 0));
+    if (near) CHECK_NEAR(near->distance, best, 1e-12 * (1 + best));
+    if (near) CHECK(near->triangle == which);
+  }
+  CHECK(!bvh.closest_point_where({0, 0, 0}, 100.0, [](std::int32_t) { return false; }));
+}
+
 TEST(bvh_of_nothing_finds_nothing) {
   for (const Bvh& bvh : {Bvh(), Bvh(TriangleMesh{})}) {
     CHECK(!bvh.cast({0, 0, 0}, {0, 0, 1}) && !bvh.closest_point({0, 0, 0}));

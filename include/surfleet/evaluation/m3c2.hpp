@@ -35,6 +35,9 @@ struct M3C2Options {
   double registration_error = 0.0;  ///< reg: added to the level of detection [m].
   std::size_t min_points = 4;       ///< Fewer points in a cylinder give no level of detection.
   bool median = false;              ///< Median and interquartile range for mean and deviation.
+  /// Points of a cloud with normals count only where these are less than 90° from the axis, so that
+  /// the two faces of a thin wall are not averaged. See `m3c2`.
+  bool sided = true;
   int threads = 1;
 };
 
@@ -113,14 +116,16 @@ struct CylinderStatistics {
   std::size_t count = 0;
 };
 
-/// The points of `cloud` in the cylinder around the axis `origin + s axis`, |s| ≤ `half_length`.
+/// The points of `cloud` in the cylinder around the axis `origin + s axis`, |s| ≤ `half_length`,
+/// for which `accept(index)` is true.
 ///
 /// The cylinder is cut into slabs about as long as it is wide, each looked up by the ball around
 /// it, so a deep and slender cylinder does not pay for the ball around the whole.
-inline CylinderStatistics cylinder_statistics(const KdTree& tree, std::span<const Point3> cloud,
-                                              const Point3& origin, const Eigen::Vector3d& axis,
-                                              double radius, double half_length, bool median,
-                                              std::vector<double>& scratch) {
+template <typename Accept>
+CylinderStatistics cylinder_statistics(const KdTree& tree, std::span<const Point3> cloud,
+                                       const Point3& origin, const Eigen::Vector3d& axis,
+                                       double radius, double half_length, bool median,
+                                       std::vector<double>& scratch, Accept&& accept) {
   scratch.clear();
   const int slabs = static_cast<int>(std::clamp(std::ceil(half_length / radius), 1.0, 10000.0));
   const double slab = 2.0 * half_length / slabs;
@@ -132,7 +137,8 @@ inline CylinderStatistics cylinder_statistics(const KdTree& tree, std::span<cons
       const double s = v.dot(axis);
       const double place = std::floor((s + half_length) / slab);
       const bool here = std::clamp(place, 0.0, slabs - 1.0) == k && std::abs(s) <= half_length;
-      if (here && v.squaredNorm() - s * s <= radius * radius) scratch.push_back(s);
+      if (here && v.squaredNorm() - s * s <= radius * radius && accept(hit.index))
+        scratch.push_back(s);
     });
   }
   CylinderStatistics result;
@@ -158,7 +164,12 @@ inline CylinderStatistics cylinder_statistics(const KdTree& tree, std::span<cons
 /// A cylinder stands on the core point along its normal; the points of either cloud in it are
 /// projected on its axis, and the distance is that of their means (or medians). The level of
 /// detection is ±1.96 (√(σ₁²/n₁ + σ₂²/n₂) + reg). Normals are those of `core` if it has them and
-/// otherwise estimated from `reference` at the normal scale. Throws `Error` on scales that are
+/// otherwise estimated from `reference` at the normal scale.
+///
+/// Where the axes have a side (the core points or the reference have normals) and `sided` is set,
+/// points whose normals are known count if they face it; where no point of the reference in a
+/// cylinder does, all of them count there: a sheet has one normal and two sides, both of which are
+/// where it is. Throws `Error` on scales that are
 /// not positive. The same for any number of threads.
 /// O(core × (log n + points in the cylinder)).
 inline M3C2Result m3c2(const PointCloud& core, const PointCloud& reference,
@@ -180,18 +191,27 @@ inline M3C2Result m3c2(const PointCloud& core, const PointCloud& reference,
   // One cloud after the other, so that there is never more than one tree: first the mean's place
   // in the compared cloud and its variance, then the same of the reference taken from it.
   const std::size_t fewest = std::max<std::size_t>(options.min_points, 2);
+  const bool sided =
+      options.sided &&
+      (given || (reference.normals.size() == reference.size() && reference.size() > 0));
+  // `take(i, cylinder)`; `cylinder(any)` has the statistics of what faces the axis, or of all.
   const auto look = [&](const PointCloud& cloud, auto&& take) {
     const KdTree tree(cloud.points);
+    const bool faces_known = sided && cloud.normals.size() == cloud.size();
     constexpr std::size_t kGrain = 256;
     parallel_for((core.size() + kGrain - 1) / kGrain, options.threads, [&](std::size_t chunk) {
       std::vector<double> scratch;
       for (std::size_t i = chunk * kGrain; i < std::min(core.size(), (chunk + 1) * kGrain); ++i) {
         const Eigen::Vector3d axis = normals[i].cast<double>().stableNormalized();
         if (!(axis.squaredNorm() > 0.5)) continue;
-        take(i, [&] {
-          return detail::cylinder_statistics(tree, cloud.points, core.points[i], axis,
-                                             0.5 * options.projection_scale, options.max_depth,
-                                             options.median, scratch);
+        const Eigen::Vector3f side = axis.cast<float>();
+        take(i, [&](bool any) {
+          return detail::cylinder_statistics(
+              tree, cloud.points, core.points[i], axis, 0.5 * options.projection_scale,
+              options.max_depth, options.median, scratch, [&](std::int32_t k) {
+                return any || !faces_known ||
+                       cloud.normals[static_cast<std::size_t>(k)].dot(side) > 0.0F;
+              });
         });
       }
     });
@@ -200,14 +220,15 @@ inline M3C2Result m3c2(const PointCloud& core, const PointCloud& reference,
     return s.count < fewest ? kNone : s.deviation * s.deviation / static_cast<double>(s.count);
   };
   look(compared, [&](std::size_t i, auto&& cylinder) {
-    const detail::CylinderStatistics b = cylinder();
+    const detail::CylinderStatistics b = cylinder(false);
     if (b.count == 0) return;
     result.distance[i] = b.position;
     result.level_of_detection[i] = variance_of_mean(b);
   });
   look(reference, [&](std::size_t i, auto&& cylinder) {
     if (std::isnan(result.distance[i])) return;
-    const detail::CylinderStatistics a = cylinder();
+    detail::CylinderStatistics a = cylinder(false);
+    if (a.count == 0) a = cylinder(true);
     result.distance[i] = a.count == 0 ? kNone : result.distance[i] - a.position;
     result.level_of_detection[i] =
         1.96 * (std::sqrt(variance_of_mean(a) + result.level_of_detection[i]) +

@@ -2,14 +2,16 @@
 /// @file  The part of a surface that a flying camera could have seen: what coverage is measured
 ///        against.
 ///
-/// A surface point counts as observable if some position of a cubic lattice exists that
+/// A surface has two sides, and each is looked at for itself: a sheet that can be seen from both is
+/// covered twice, while nobody sees the inner side of a closed solid. A side of a surface point
+/// counts as observable if some position of a cubic lattice exists that
 /// 1. lies in the flight space and keeps the body's radius plus a margin away from every triangle,
 /// 2. is joined to the start by steps between neighbours of the lattice (26 of them), each step
 ///    straight and keeping the radius all along,
 /// 3. has the point between the camera's least and greatest depth and inside its image once the
 ///    body has turned so that the optical axis faces the point (heading is free, roll and pitch
 ///    are zero, the mount is fixed),
-/// 4. meets the surface at no more than the incidence limit,
+/// 4. lies on that side and meets the surface at no more than the incidence limit,
 /// 5. sees the point: the ray from the camera to it is not blocked.
 /// All nodes carry the flood of 2, every `stride`-th along each axis (and a choice of others in
 /// front of the point) is looked from. The lattice makes the answer a lower bound of what a
@@ -181,23 +183,43 @@ struct ObservabilityOptions {
   PinholeCamera camera;
   Pose T_body_camera = forward_camera_mount();
   double max_incidence = radians(80.0);  ///< Between the ray and the surface's normal [rad].
-  bool two_sided = true;     ///< Either side of a triangle counts; for soups without orientation.
+  bool two_sided = true;                 ///< Either side counts, else that of the normal alone.
   int stride = 2;            ///< Every so many-th node is looked from; all carry the flood.
-  double tolerance = 0.005;  ///< A hit this near before the point does not block it [m].
+  double tolerance = 0.001;  ///< A hit this near before the point does not block it [m].
   int threads = 1;
 };
 
 /// What could have been seen, and from where.
 struct ObservableSurface {
-  std::vector<std::uint8_t> visible;  ///< One entry a sample.
-  std::vector<Point3> seen_from;      ///< A body position that sees it; undefined where none does.
-  std::size_t visible_count = 0;
+  static constexpr std::uint8_t kFront = 1;  ///< The side that the sample's normal points to.
+  static constexpr std::uint8_t kBack = 2;   ///< The other.
+
+  std::vector<std::uint8_t> seen_from;  ///< The sides of each sample that can be seen, as bits.
+  /// Body positions that see the front and the back; undefined where none does.
+  std::vector<std::array<Point3, 2>> viewers;
+  std::size_t visible_count = 0;  ///< Samples of which some side can be seen.
   double fraction() const {
-    return visible.empty()
+    return seen_from.empty()
                ? 0.0
-               : static_cast<double>(visible_count) / static_cast<double>(visible.size());
+               : static_cast<double>(visible_count) / static_cast<double>(seen_from.size());
   }
 };
+
+/// The samples that can be seen, each with its normal turned to the side it can be seen from; one
+/// that can be seen from both is there twice. Fronts come first, in their order, then backs.
+inline PointCloud oriented_samples(const PointCloud& samples, const ObservableSurface& seen) {
+  require(samples.normals.size() == samples.size() && seen.seen_from.size() == samples.size(),
+          "oriented samples: expected normals and sides, one a sample");
+  PointCloud oriented;
+  for (const std::uint8_t side : {ObservableSurface::kFront, ObservableSurface::kBack})
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if ((seen.seen_from[i] & side) == 0) continue;
+      const Eigen::Vector3f& n = samples.normals[i];
+      oriented.points.push_back(samples.points[i]);
+      oriented.normals.push_back(side == ObservableSurface::kFront ? n : Eigen::Vector3f(-n));
+    }
+  return oriented;
+}
 
 /// What a camera on a level body has in view once the body has turned so that the optical axis lies
 /// in the vertical plane of the point (a camera that looks straight up or down: the body's x axis).
@@ -250,12 +272,13 @@ class BestHeadingView {
   double reach_ = 0.0;
 };
 
-/// Which of `samples` (with normals) the camera could have seen from the lattice; see the head of
-/// this file for what "could" means. Rays are cast by `scene`, the true surface.
+/// Which sides of `samples` (with normals) the camera could have seen from the lattice; see the
+/// head of this file for what "could" means. Rays are cast by `scene`, the true surface.
 ///
-/// Each sample first tries a few dozen positions ordered by their angle to its normal, which
-/// settles most of what is visible, then every `stride`-th node in range, frontal ones first, until
-/// one sees it. O(samples × nodes in range / stride³) rays at worst.
+/// Each side first tries a few dozen positions ordered by their angle to its normal, which settles
+/// most of what is visible, then every `stride`-th node in range, frontal ones first, until one
+/// sees it. O(samples × nodes in range / stride³) rays at worst. Rays start at the sample, where
+/// the inner side of a solid meets its own walls first.
 template <RayCaster Caster>
 ObservableSurface observable_surface(const PointCloud& samples, const Caster& scene,
                                      const ReachableLattice& lattice,
@@ -284,67 +307,75 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
   const int shell = static_cast<int>(std::ceil(reach / lattice.spacing())) + 1;
 
   ObservableSurface result;
-  result.visible.assign(samples.size(), 0);
-  result.seen_from.assign(samples.size(), Point3::Zero());
+  result.seen_from.assign(samples.size(), 0);
+  result.viewers.assign(samples.size(), {Point3::Zero(), Point3::Zero()});
   parallel_for(
       samples.size(), options.threads,
       [&](std::size_t i) {
         const Point3& p = samples.points[i];
         const Eigen::Vector3d normal = samples.normals[i].cast<double>();
-        // True also of positions behind the surface if both sides count.
-        const auto facing = [&](const Eigen::Vector3d& to_camera) {
-          const double along = to_camera.dot(normal);
-          return (options.two_sided ? std::abs(along) : along) >= min_cosine * to_camera.norm();
-        };
-        const auto sees = [&](const Point3& q) {
+        const auto sees = [&](const Point3& q, const Eigen::Vector3d& side) {
           if (!view.sees(q, p)) return false;
-          const Point3 eye = view.eye(q, p);
-          const Eigen::Vector3d ray = p - eye;
-          const double length = ray.norm();
-          if (length < 1e-9 || !facing(-ray)) return false;
-          return !scene.cast(eye, ray / length, length - options.tolerance).has_value();
+          const Eigen::Vector3d to_eye = view.eye(q, p) - p;
+          const double length = to_eye.norm();
+          if (length < 1e-9 || to_eye.dot(side) < min_cosine * length) return false;
+          const Eigen::Vector3d d = to_eye / length;
+          return length <= options.tolerance ||
+                 !scene.cast(p + options.tolerance * d, d, length - options.tolerance).has_value();
         };
-        const auto settle = [&](const Point3& q) {
-          result.visible[i] = 1;
-          result.seen_from[i] = q;
-        };
-        for (const double side : {1.0, -1.0}) {
-          if (side < 0.0 && !options.two_sided) break;
+        // Whether a position of the fan sees the side; most of what is visible is settled so.
+        const auto at_once = [&](const Eigen::Vector3d& side, Point3& viewer) {
           const Eigen::Matrix3d frame =
-              rotation_between(Eigen::Vector3d::UnitZ(), side * normal).toRotationMatrix();
+              rotation_between(Eigen::Vector3d::UnitZ(), side).toRotationMatrix();
           for (const Eigen::Vector3d& d : fan)
             for (const double range : ranges) {
               const Eigen::Vector3i node = lattice.nearest_node(p + range * (frame * d));
-              if (lattice.reached(node) && sees(lattice.position(node)))
-                return settle(lattice.position(node));
+              if (!lattice.reached(node) || !sees(lattice.position(node), side)) continue;
+              viewer = lattice.position(node);
+              return true;
+            }
+          return false;
+        };
+        std::array<bool, 2> seen{};
+        const std::size_t sides = options.two_sided ? 2 : 1;
+        for (std::size_t k = 0; k < sides; ++k)
+          seen[k] = at_once(k == 0 ? normal : -normal, result.viewers[i][k]);
+        for (std::size_t k = 0; k < sides; ++k) {
+          if (seen[k]) continue;
+          const Eigen::Vector3d side = k == 0 ? normal : -normal;
+          std::vector<std::pair<float, Point3>> candidates;
+          const Eigen::Vector3i centre = lattice.nearest_node(p);
+          const auto first = [&](int axis) {
+            return (std::max(centre[axis] - shell, 0) + stride - 1) / stride * stride;
+          };
+          const Eigen::Vector3i last = (centre.array() + shell).min(lattice.size().array() - 1);
+          for (int z = first(2); z <= last.z(); z += stride)
+            for (int y = first(1); y <= last.y(); y += stride)
+              for (int x = first(0); x <= last.x(); x += stride) {
+                const Eigen::Vector3i node(x, y, z);
+                if (!lattice.reached(node)) continue;
+                const Point3 q = lattice.position(node);
+                const Eigen::Vector3d away = q - p;
+                const double along = away.dot(side);
+                if (along < 0.0 || away.squaredNorm() > reach * reach || !view.sees(q, p)) continue;
+                candidates.emplace_back(static_cast<float>(-along / std::max(away.norm(), 1e-12)),
+                                        q);
+              }
+          std::stable_sort(candidates.begin(), candidates.end(),
+                           [](const auto& a, const auto& b) { return a.first < b.first; });
+          for (const auto& [unused, q] : candidates)
+            if (sees(q, side)) {
+              result.viewers[i][k] = q;
+              seen[k] = true;
+              break;
             }
         }
-        std::vector<std::pair<float, Point3>> candidates;
-        const Eigen::Vector3i centre = lattice.nearest_node(p);
-        const auto first = [&](int k) {
-          return (std::max(centre[k] - shell, 0) + stride - 1) / stride * stride;
-        };
-        const Eigen::Vector3i last = (centre.array() + shell).min(lattice.size().array() - 1);
-        for (int z = first(2); z <= last.z(); z += stride)
-          for (int y = first(1); y <= last.y(); y += stride)
-            for (int x = first(0); x <= last.x(); x += stride) {
-              const Eigen::Vector3i node(x, y, z);
-              if (!lattice.reached(node)) continue;
-              const Point3 q = lattice.position(node);
-              const Eigen::Vector3d away = q - p;
-              if (away.squaredNorm() > reach * reach || !view.sees(q, p)) continue;
-              const double cosine = away.dot(normal) / std::max(away.norm(), 1e-12);
-              if (!options.two_sided && cosine < 0.0) continue;
-              candidates.emplace_back(static_cast<float>(-std::abs(cosine)), q);
-            }
-        std::stable_sort(candidates.begin(), candidates.end(),
-                         [](const auto& a, const auto& b) { return a.first < b.first; });
-        for (const auto& [unused, q] : candidates)
-          if (sees(q)) return settle(q);
+        if (seen[0]) result.seen_from[i] |= ObservableSurface::kFront;
+        if (seen[1]) result.seen_from[i] |= ObservableSurface::kBack;
       },
       64);
-  result.visible_count = static_cast<std::size_t>(
-      std::count(result.visible.begin(), result.visible.end(), std::uint8_t{1}));
+  result.visible_count = samples.size() - static_cast<std::size_t>(std::count(
+                                              result.seen_from.begin(), result.seen_from.end(), 0));
   return result;
 }
 }  // namespace surfleet

@@ -23,10 +23,10 @@
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/evaluation/m3c2.hpp>
+#include <surfleet/evaluation/oriented_coverage.hpp>
 #include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/evaluation/surface_sampling.hpp>
 #include <surfleet/geometry/bvh.hpp>
-#include <surfleet/geometry/kd_tree.hpp>
 
 namespace surfleet {
 /// e_max of the seeds: half the diagonal of a voxel.
@@ -41,6 +41,7 @@ struct EvaluationOptions {
   double normal_scale = 0.0;      ///< M3C2's D [m], for normals not given; 0: twice d.
   double max_depth = 0.0;         ///< M3C2's cylinder to either side [m]; 0: 2 e_max.
   double max_distance = 0.0;      ///< Mean and 95 % distances count no more than this; 0: no limit.
+  bool sided = true;              ///< Coverage and M3C2 ask for the side that points are seen from.
   std::uint64_t seed = 1;
   int threads = 1;
 
@@ -52,13 +53,18 @@ struct EvaluationOptions {
     return density > 0.0 ? density : 32.0 / (std::numbers::pi * d * d);
   }
   double depth() const { return max_depth > 0.0 ? max_depth : 2.0 * e_max; }
+  /// How far off a part of the reconstruction that faces a point is looked for [m].
+  double coverage_reach() const { return 3.0 * e_max; }
 };
 
 /// The figures, SI units. What cannot be measured (an empty reconstruction) is NaN, coverage 0;
 /// completeness then is `max_distance`, where that is set.
 struct ReconstructionMetrics {
-  /// Share of the reference within e_max of the nearest point of the reconstruction.
+  /// Share of the reference points that have some part of the reconstruction within e_max that
+  /// faces the side they are seen from (`oriented_coverage.hpp`).
   double surface_coverage = 0.0;
+  /// The same with whatever side of the reconstruction: a difference tells of sides mixed up.
+  double unsided_coverage = 0.0;
   /// M3C2 over what is covered: |distance| ≤ e_max, as the seeds prune outliers.
   double m3c2_mean_m = 0.0, m3c2_std_m = 0.0, rmse_m = 0.0;
   /// M3C2 over every core point whose cylinder met both surfaces.
@@ -81,7 +87,9 @@ struct ReconstructionMetrics {
 struct ReconstructionEvaluation {
   ReconstructionMetrics metrics;
   std::vector<double> reference_distance;  ///< To the reconstruction, a reference point each [m].
-  M3C2Result m3c2;                         ///< Core points are the reference points.
+  /// The same to what faces the point's side; infinite beyond the options' reach.
+  std::vector<double> facing_distance;
+  M3C2Result m3c2;  ///< Core points are the reference points.
 };
 
 /// A surface for measuring: a mesh (distances to its triangles, clouds sampled from it) or a cloud
@@ -91,28 +99,24 @@ class MeasuredSurface {
   /// Samples `mesh` at the options' density. The mesh need not live on.
   static MeasuredSurface from(const TriangleMesh& mesh, const EvaluationOptions& options) {
     MeasuredSurface s;
-    s.bvh_ = Bvh(mesh);
+    s.surface_ = OrientedSurface(mesh);
     s.cloud_ =
         sample_surface(mesh, {.density = options.sampling_density(), .seed = options.seed}).cloud;
     return s;
   }
   static MeasuredSurface from(const PointCloud& cloud, const EvaluationOptions& = {}) {
     MeasuredSurface s;
-    s.tree_ = KdTree(cloud.points);
+    s.surface_ = OrientedSurface(cloud);
     s.cloud_ = cloud;
     return s;
   }
   const PointCloud& cloud() const { return cloud_; }
+  const OrientedSurface& surface() const { return surface_; }
   /// To the surface [m]; infinite if it is empty.
-  double distance(const Point3& p) const {
-    if (bvh_.triangle_count() > 0) return bvh_.distance(p);
-    const auto nearest = tree_.nearest(p);
-    return nearest ? nearest->distance() : std::numeric_limits<double>::infinity();
-  }
+  double distance(const Point3& p) const { return surface_.distance(p); }
 
  private:
-  Bvh bvh_;
-  KdTree tree_;
+  OrientedSurface surface_;
   PointCloud cloud_;
 };
 
@@ -137,9 +141,10 @@ inline std::pair<double, double> mean_and_p95(std::vector<double> distance, doub
 /// Measures `reconstruction` against `reference` at `reference_points`: samples of the reference,
 /// or the part of them that is to be judged (what a robot could have seen, a region of interest).
 ///
-/// The points are coverage's unit of area and the core points of M3C2; their normals are used if
-/// present and otherwise estimated from the reference. Throws `Error` on an e_max that is not
-/// positive, or no reference point.
+/// The points are coverage's unit of area and the core points of M3C2. Their normals, if present,
+/// point to the side they are seen from; otherwise any side covers them and M3C2's normals are
+/// estimated from the reference. Throws `Error` on an e_max that is not positive, or no reference
+/// point.
 inline ReconstructionEvaluation evaluate(const PointCloud& reference_points,
                                          const MeasuredSurface& reference,
                                          const MeasuredSurface& reconstruction,
@@ -151,9 +156,19 @@ inline ReconstructionEvaluation evaluate(const PointCloud& reference_points,
   ReconstructionMetrics& m = e.metrics;
   e.reference_distance =
       detail::distances_to(reconstruction, reference_points.points, options.threads);
-  const auto covered = std::count_if(e.reference_distance.begin(), e.reference_distance.end(),
-                                     [&](double d) { return d <= options.e_max; });
-  m.surface_coverage = static_cast<double>(covered) / static_cast<double>(reference_points.size());
+  const auto near = std::count_if(e.reference_distance.begin(), e.reference_distance.end(),
+                                  [&](double d) { return d <= options.e_max; });
+  m.unsided_coverage = static_cast<double>(near) / static_cast<double>(reference_points.size());
+  if (options.sided) {
+    OrientedCoverage coverage = oriented_coverage(
+        reference_points, reconstruction.surface(),
+        {.e_max = options.e_max, .reach = options.coverage_reach(), .threads = options.threads});
+    m.surface_coverage = coverage.share();
+    e.facing_distance = std::move(coverage.distance);
+  } else {
+    m.surface_coverage = m.unsided_coverage;
+    e.facing_distance = e.reference_distance;
+  }
   m.reference_points = reference_points.size();
   m.reconstruction_points = reconstruction.cloud().size();
 
@@ -162,6 +177,7 @@ inline ReconstructionEvaluation evaluate(const PointCloud& reference_points,
                 {.normal_scale = options.normal_scale > 0.0 ? options.normal_scale : 2.0 * d,
                  .projection_scale = d,
                  .max_depth = options.depth(),
+                 .sided = options.sided,
                  .threads = options.threads});
   const DistanceStatistics pruned = distance_statistics(e.m3c2.distance, options.e_max);
   m.m3c2_points = pruned.count;

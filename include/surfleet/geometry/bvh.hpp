@@ -125,6 +125,15 @@ class Bvh {
   /// The nearest point of the mesh within `max_distance` [m] of `p`; nothing if there is none.
   std::optional<ClosestPoint> closest_point(
       const Point3& p, double max_distance = std::numeric_limits<double>::infinity()) const {
+    return closest_point_where(p, max_distance, [](std::int32_t) { return true; });
+  }
+
+  /// The same among the triangles for which `accept(triangle)` is true. It is asked about those
+  /// alone that would be the nearest so far; where few are accepted, the query visits all within
+  /// `max_distance`.
+  template <typename Accept>
+  std::optional<ClosestPoint> closest_point_where(const Point3& p, double max_distance,
+                                                  Accept&& accept) const {
     if (nodes_.empty() || !(max_distance >= 0.0)) return std::nullopt;
     double best2 = max_distance * max_distance;
     std::optional<ClosestPoint> best;
@@ -141,6 +150,7 @@ class Bvh {
           const Point3 q = closest_on_triangle(p, a, b, c);
           const double d2 = (q - p).squaredNorm();
           if (d2 > best2 || (best && d2 == best2 && index_[i] > best->triangle)) continue;
+          if (!accept(index_[i])) continue;
           best2 = d2;
           best = ClosestPoint{q, 0.0, index_[i]};
         }
