@@ -162,13 +162,13 @@ inline bool random_seed_is_dirty(std::uint64_t seed) { return seed % 5 == 0; }
 
 namespace detail::random_scene {
 inline Structure make_structure(const RandomSceneId& id) {
-  using Maker = Structure (*)(const Draw&);
+  using Maker = Structure (*)(const Draw&, std::uint64_t);
   constexpr std::array<Maker, kRandomSceneKinds.size()> kMakers{
       make_plant, make_tower, make_lattice, make_shell, make_bridge, make_hall, make_hull};
   const auto kind =
       static_cast<std::size_t>(&random_scene_spec(id.kind) - kRandomSceneKinds.data());
   const Draw draw = Draw(Random(id.seed))(id.kind);
-  Structure made = kMakers[kind](draw);
+  Structure made = kMakers[kind](draw, id.seed);
   if (random_seed_is_dirty(id.seed)) make_dirty(made.mesh, draw("dirt"), made.indoors ? -1.0 : 0.0);
   return made;
 }

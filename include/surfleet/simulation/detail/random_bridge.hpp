@@ -155,13 +155,13 @@ inline void add_stays(TriangleMesh& mesh, Draw draw, const Layout& b) {
 }
 }  // namespace bridge
 
-inline Structure make_bridge(const Draw& draw) {
+inline Structure make_bridge(const Draw& draw, std::uint64_t seed) {
   Draw site = draw("site");
   bridge::Layout b;
   b.length = site.in(24.0, 38.0);
   b.width = site.in(4.5, 7.0);
   b.deck = site.in(6.0, 8.5);
-  const int form = site.whole(0, 3);
+  const int form = next_form(seed, 4);
   const bool joint = site.chance(0.4);
   const double gap = site.in(0.1, 1.2);
   if (form == 0 && joint) b.gap = gap;

@@ -110,7 +110,7 @@ inline void add_ceiling(TriangleMesh& mesh, Draw draw, const Layout& l) {
 }
 }  // namespace hall
 
-inline Structure make_hall(const Draw& draw) {
+inline Structure make_hall(const Draw& draw, std::uint64_t seed) {
   Draw site = draw("site");
   hall::Layout l;
   l.w = site.in(11.0, 16.0);
@@ -120,7 +120,7 @@ inline Structure make_hall(const Draw& draw) {
   made.indoors = true;
   BoxSolid air;
   air.add({-0.5 * l.w, -0.5 * l.d, 0}, {0.5 * l.w, 0.5 * l.d, l.h});
-  const int sides = site.whole(0, 2);  // none, one, both
+  const int sides = next_form(seed, 3);  // with rooms beside them: none, one, both
   if (sides > 0) hall::add_rooms(air, made.mesh, draw("south"), l, -1.0);
   if (sides > 1) hall::add_rooms(air, made.mesh, draw("north"), l, 1.0);
   for (double x = -0.5 * l.w + site.in(1.0, 2.0); x < 0.5 * l.w - 0.8; x += 2.5) {  // wall recesses

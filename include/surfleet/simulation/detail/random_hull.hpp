@@ -58,14 +58,13 @@ inline TriangleMesh ship(Draw draw) {
   const double deck = keel + deep + 0.35 * sheer;
   BoxSolid house;  // its lowest storey reaches into the hull
   const double aft = -0.3 * length, storey = 2.4;
-  const int decks = draw.whole(1, 3);
+  const int decks = draw.whole(1, 2);
   for (int k = 0; k < decks; ++k) {
-    const double z = deck - 0.8 + k * storey, in = 0.35 * k;
-    house.add({aft - 1.5 + in, -0.3 * beam + in, z},
-              {aft + 0.24 * length - 1.4 * k, 0.3 * beam - in, z + storey + (k == 0 ? 0.8 : 0.0)});
-    append(mesh, make_box({aft - 1.7, -0.42 * beam, z + storey + (k == 0 ? 0.8 : 0.0)},
-                          {aft + 0.24 * length - 1.4 * k + 0.8, 0.42 * beam,
-                           z + storey + (k == 0 ? 0.8 : 0.0) + 0.08}));
+    const double low = deck + k * storey, high = low + storey, in = 0.35 * k;
+    const double fore = aft + 0.24 * length - 1.4 * k;
+    house.add({aft - 1.5 + in, -0.3 * beam + in, low - (k == 0 ? 0.8 : 0.0)},
+              {fore, 0.3 * beam - in, high});
+    append(mesh, make_box({aft - 1.7, -0.42 * beam, high}, {fore + 0.8, 0.42 * beam, high + 0.08}));
   }
   append(mesh, house.mesh());
   const double top = deck + decks * storey;
@@ -152,11 +151,11 @@ inline TriangleMesh submarine(Draw draw) {
 
 }  // namespace hull
 
-inline Structure make_hull(const Draw& draw) {
+inline Structure make_hull(const Draw& draw, std::uint64_t seed) {
   Draw site = draw("site");
   using Kind = TriangleMesh (*)(Draw);
   constexpr std::array<Kind, 3> kKinds{hull::ship, hull::submarine, hull::aircraft};
-  const auto kind = static_cast<std::size_t>(site.whole(0, 2));
+  const auto kind = static_cast<std::size_t>(next_form(seed, static_cast<int>(kKinds.size())));
   Structure made;
   made.mesh = placed(kKinds[kind](draw("hull")), Point3::Zero(), site.in(0.0, 2.0 * kPi));
   const double angle = site.in(0.0, 2.0 * kPi), height = site.in(2.5, 4.5);  // a work platform

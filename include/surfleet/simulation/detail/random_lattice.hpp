@@ -204,12 +204,12 @@ inline TriangleMesh water_tower(Draw draw) {
 }
 }  // namespace lattice
 
-inline Structure make_lattice(const Draw& draw) {
+inline Structure make_lattice(const Draw& draw, std::uint64_t seed) {
   Draw site = draw("site");
   using Kind = TriangleMesh (*)(Draw);
   constexpr std::array<Kind, 4> kKinds{lattice::radio_mast, lattice::pylon, lattice::crane,
                                        lattice::water_tower};
-  const auto kind = static_cast<std::size_t>(site.whole(0, 3));
+  const auto kind = static_cast<std::size_t>(next_form(seed, static_cast<int>(kKinds.size())));
   Structure made;
   made.mesh = placed(kKinds[kind](draw("lattice")), Point3::Zero(), site.in(0.0, 2.0 * kPi));
   const int cabins = site.whole(1, 2);  // stand free beside it, one with a sheet for a roof

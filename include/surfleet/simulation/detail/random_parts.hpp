@@ -48,6 +48,12 @@ class Draw {
   Random root_, random_;
 };
 
+/// Which of `count` forms a seed has. Neighbours differ, and so do every fifth and every seventh.
+constexpr int next_form(std::uint64_t seed, int count) {
+  const auto n = static_cast<std::uint64_t>(count);
+  return static_cast<int>((seed + seed / n) % n);
+}
+
 /// A generated structure, before it is made a scene.
 struct Structure {
   TriangleMesh mesh;

@@ -143,7 +143,7 @@ inline void add_rack(TriangleMesh& mesh, Draw draw, double half) {
 }
 }  // namespace plant
 
-inline Structure make_plant(const Draw& draw) {
+inline Structure make_plant(const Draw& draw, std::uint64_t /*seed*/) {
   using Plot = TriangleMesh (*)(Draw, double);
   std::array<Plot, 7> plots{plant::building, plant::tank_farm, plant::chimneys, plant::silos,
                             plant::vessels,  plant::shelter,   plant::coolers};

@@ -131,12 +131,12 @@ inline TriangleMesh vault(Draw draw, double thickness) {
 }
 }  // namespace shell
 
-inline Structure make_shell(const Draw& draw) {
+inline Structure make_shell(const Draw& draw, std::uint64_t seed) {
   Draw site = draw("site");
   using Kind = TriangleMesh (*)(Draw, double);
   constexpr std::array<Kind, 5> kKinds{shell::cooling_tower, shell::dome, shell::open_cylinder,
                                        shell::canopy, shell::vault};
-  const auto kind = static_cast<std::size_t>(site.whole(0, 4));
+  const auto kind = static_cast<std::size_t>(next_form(seed, static_cast<int>(kKinds.size())));
   const bool has_thickness = site.chance(0.5);
   const double thickness = site.in(0.02, 0.10);
   Structure made;

@@ -167,12 +167,12 @@ inline TriangleMesh belfry(Draw draw) {
 }
 }  // namespace tower
 
-inline Structure make_tower(const Draw& draw) {
+inline Structure make_tower(const Draw& draw, std::uint64_t seed) {
   Draw site = draw("site");
   using Kind = TriangleMesh (*)(Draw);
   constexpr std::array<Kind, 4> kKinds{tower::stepped, tower::twisted, tower::pagoda,
                                        tower::belfry};
-  const auto kind = static_cast<std::size_t>(site.whole(0, 3));
+  const auto kind = static_cast<std::size_t>(next_form(seed, static_cast<int>(kKinds.size())));
   Structure made;
   made.mesh = placed(kKinds[kind](draw("tower")), Point3::Zero(), site.in(0.0, 2.0 * kPi));
   const int stones = site.whole(2, 4);  // stand free around it
