@@ -110,7 +110,9 @@ struct RandomSceneId {
 };
 
 /// Whether `name` claims to be one, well formed or not.
-inline bool is_random_scene(std::string_view name) { return name.starts_with("random:"); }
+inline bool is_random_scene(std::string_view name) {
+  return name == "random" || name.starts_with("random:");
+}
 
 /// Seeds are whole numbers up to this.
 inline constexpr std::uint64_t kLastRandomSeed = 999'999'999;
