@@ -2,8 +2,8 @@
 // requires: inspection
 // Many inspections: planners, fleet sizes and seeds; mean and spread.
 //
-//   drone_inspection_trials --scene powerplant --planners surfleet,tsga,nnb --fleets 1,3,5 --trials
-//   10
+//   drone_inspection_trials --scene powerplant --planners surfleet,tsga,nnb --trials 10
+//   drone_inspection_trials --scenes random:all:1000-1019 --planners surfleet --fleets 2 --trials 1
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +15,7 @@
 #include "support/cli.hpp"
 #include "support/inspection.hpp"
 #include "support/inspection_report.hpp"
+#include "support/scene_trials.hpp"
 
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/evaluation/report.hpp>
@@ -47,22 +48,42 @@ int run(int argc, char** argv) {
   cli::Options app(
       "Runs an inspection for every planner, fleet size and seed, and prints mean and "
       "standard deviation.\nWrites trials.json and report.html to --out. Missions that --max-time "
-      "cuts short are counted and told of; one that Ctrl-C ends is in trials.json alone.");
+      "cuts short are counted and told of; one that Ctrl-C ends is in trials.json alone.\nWith "
+      "--scenes it flies over many scenes, writes a JSON file a mission in place of trials.json, "
+      "and "
+      "goes on where an earlier run in the same folder ended.");
   InspectionOptions options(app, InspectionProgram::trials);
   std::string out = "out/trials";
   std::vector<std::string> planners{"surfleet", "tsga", "nnb"};
   std::vector<int> fleets{1, 3, 5};
+  std::vector<std::string> scenes;
   int trials = 3;
   app.add("--out", out, "folder for the results");
   app.add("--planners", planners, "comma-separated").separated_by(',');
   app.add("--fleets", fleets, "comma-separated numbers of drones").separated_by(',');
   app.add("--trials", trials, "seeds from --seed on");
+  app.add("--scenes", scenes,
+          "comma-separated, in place of --scene: random:KIND:FIRST-LAST, random:KIND:SEED, or what "
+          "--scene takes")
+      .separated_by(',');
   app.add_config_file();
   app.parse(argc, argv);
+  if (!scenes.empty()) {
+    require(!app.was_given("--scene"), "--scenes: expected no --scene beside it");
+    options.settings.scene = "powerplant";
+  }
   InspectionSettings base = options.settle();
   require(trials >= 1 && trials <= 1000, "--trials: expected 1 to 1000");
   for (const int n : fleets) require(n >= 1 && n <= 64, "--fleets: expected numbers of 1 to 64");
   for (const std::string& p : planners) planner_by_name(p);
+  if (!scenes.empty())
+    return run_scene_trials({.scenes = scenes,
+                             .planners = planners,
+                             .fleets = fleets,
+                             .trials = trials,
+                             .out = out,
+                             .given = app.given()},
+                            options);
   InspectionSite site(open_scene(base), base);
   const int most = *std::max_element(fleets.begin(), fleets.end());
   const auto starts = site.starts(base, most);

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -120,5 +121,11 @@ void Options::parse_config(std::istream& file) {
 }
 bool Options::was_given(const std::string& name) const {
   return app_->get_option(name)->count() > 0;
+}
+std::map<std::string, std::vector<std::string>> Options::given() const {
+  std::map<std::string, std::vector<std::string>> values;
+  for (const CLI::Option* option : app_->get_options())
+    if (option->count() > 0) values[option->get_single_name()] = option->results();
+  return values;
 }
 }  // namespace surfleet::cli

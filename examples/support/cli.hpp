@@ -28,6 +28,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iosfwd>
+#include <map>
 #include <memory>
 #include <new>
 #include <optional>
@@ -116,6 +117,8 @@ class Options {
   void parse_config(std::istream& file);
   /// Whether the command line or the file gave this option.
   bool was_given(const std::string& name) const;
+  /// What was given: values by option, without dashes, in order of the names.
+  std::map<std::string, std::vector<std::string>> given() const;
 
  private:
   Option declare(const std::string& name, const Variable& variable, const std::string& help);

@@ -61,7 +61,7 @@ SurfaceSamples sample_region(const Scene& scene, double voxel) {
 }  // namespace
 
 Scene open_scene(const InspectionSettings& s) {
-  const bool bundled = s.scene == "powerplant" || s.scene == "statue" || s.scene == "house";
+  const bool bundled = is_scene_name(s.scene);
   std::optional<Box3> bounds;
   if (!s.bounds.empty()) bounds = cli::box_from_numbers(s.bounds, "--bounds");
   std::optional<Point3> start;
@@ -108,7 +108,9 @@ InspectionSite::InspectionSite(Scene s, const InspectionSettings& settings)
 std::vector<Configuration> InspectionSite::starts(const InspectionSettings& settings,
                                                   int robots) const {
   return starting_places(scene, space, robots,
-                         {.radius = settings.radius, .margin = settings.margin});
+                         {.radius = settings.radius,
+                          .margin = settings.margin,
+                          .spacing = starting_distance(settings.radius, settings.margin)});
 }
 
 DroneWorld<EmbreeRayCaster> InspectionSite::world(const InspectionSettings& s) const {

@@ -14,6 +14,7 @@
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/motion/kinematics.hpp>
+#include <surfleet/simulation/random_scene.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
 
@@ -22,6 +23,7 @@ namespace surfleet::examples {
 /// stands, for the power plant.
 struct ScenePreset {
   double voxel = 0.3;
+  double radius = 1.0;
   double margin = 0.35, unknown_margin = 0.35;
   std::vector<double> range{1.6, 8.0};
   double standoff = 4.7;
@@ -29,8 +31,18 @@ struct ScenePreset {
   double lambda_tc = 0.3, lambda_ic = 0.03;
   double utility_share = 0.2;
 };
-/// Throws `Error` for a name that is neither powerplant nor statue.
+/// powerplant, statue, or a kind of random scenes. Throws `Error` for another name.
 inline ScenePreset preset_by_name(std::string_view name) {
+  if (const RandomSceneSpec* spec = find_random_scene_spec(name)) {
+    ScenePreset preset;
+    preset.voxel = spec->voxel;
+    preset.radius = spec->radius;
+    preset.margin = spec->margin;
+    preset.unknown_margin = spec->unknown_margin;
+    preset.range = {spec->nearest, spec->farthest};
+    preset.standoff = spec->standoff;
+    return preset;
+  }
   if (name == "powerplant") return {};
   if (name == "statue")
     return {.voxel = 0.15,
@@ -42,7 +54,8 @@ inline ScenePreset preset_by_name(std::string_view name) {
             .lambda_tc = 0.17,
             .lambda_ic = 0.15,
             .utility_share = 0.5};
-  throw Error("preset " + std::string(name) + ": not known; expected powerplant or statue");
+  throw Error("preset " + std::string(name) + ": not known; expected powerplant, statue, " +
+              random_scene_kinds());
 }
 
 /// What the command line says. Angles in degrees, as people give them.
@@ -56,7 +69,6 @@ struct InspectionSettings : ScenePreset {
   std::vector<double> fov{90.0, 60.0};
   int image_width = 160;
   double rate = 4.0;
-  double radius = 1.0;
   std::vector<double> start, bounds;
   std::optional<double> ground;
   bool noise = true;
@@ -90,10 +102,12 @@ class InspectionOptions {
     // A mission that is cut short says nothing beside others, and one drone alone takes long.
     if (program == InspectionProgram::trials) settings.max_time = 14000.0;
     app.add("--scene", settings.scene,
-            "powerplant, statue, house, or a mesh file (.ply .obj .stl .off) [m]");
+            "powerplant, statue, house, random:KIND:SEED with KIND " + random_scene_kinds() +
+                " or all (seeds 1-99 for development, 1000 and up for reported figures only), or a "
+                "mesh file (.ply .obj .stl .off) [m]");
     app.add("--preset", settings.preset,
-            "powerplant or statue: the published parameters; the defaults below are those of the "
-            "power plant");
+            "powerplant or statue: the published parameters, or those of a KIND of random scenes; "
+            "the defaults below are those of the power plant");
     if (program == InspectionProgram::mission) {
       app.add("--planner", settings.planner, "one of " + planner_list());
       app.add("--architecture", settings.architecture, "single or centralized");
@@ -148,14 +162,16 @@ class InspectionOptions {
   InspectionSettings settle() {
     const InspectionSettings given = settings;
     InspectionSettings s = given;
-    s.preset = !given.preset.empty()     ? given.preset
-               : given.scene == "statue" ? "statue"
-                                         : "powerplant";
+    s.preset = !given.preset.empty()          ? given.preset
+               : is_random_scene(given.scene) ? std::string(parse_random_scene(given.scene).kind)
+               : given.scene == "statue"      ? "statue"
+                                              : "powerplant";
     static_cast<ScenePreset&>(s) = preset_by_name(s.preset);
     const auto keep = [&](const std::string& option, auto member) {
       if (app_.was_given(option)) s.*member = given.*member;
     };
     keep("--voxel", &InspectionSettings::voxel);
+    keep("--radius", &InspectionSettings::radius);
     keep("--margin", &InspectionSettings::margin);
     keep("--unknown-margin", &InspectionSettings::unknown_margin);
     if (!app_.was_given("--unknown-margin"))

@@ -11,6 +11,7 @@
 #include <surfleet/simulation/mesh_map.hpp>
 #include <surfleet/simulation/planar_environments.hpp>
 #include <surfleet/simulation/powerplant.hpp>
+#include <surfleet/simulation/random_scene.hpp>
 #include <surfleet/simulation/scene.hpp>
 #include <surfleet/simulation/scenes.hpp>
 #include <surfleet/simulation/statue.hpp>

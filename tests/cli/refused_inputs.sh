@@ -68,6 +68,17 @@ printf 'v 0 0 0\nv 20000 0 0\nv 20000 20000 0\nv 0 20000 10\nf 1 2 3\nf 1 3 4\n'
 refused drone_inspection --scene county.obj --out out
 refused drone_inspection --scene house --out stderr.txt
 refused drone_inspection --scene house --out /proc/out
+for name in random random: random:shell random:castle:1 random:shell: random:shell:-1 random:shell:+1 \
+    random:shell:1.5 random:shell:1e3 random:shell:1:2 random:shell:99999999999999999999999 random:all:x \
+    random:shell:1-5; do
+  refused drone_inspection --scene "$name" --out out
+done
+for name in random:shell:5-1 random:shell:1- random:all:1-99999 random:castle:1-2 house,random:shell:x \
+    random:shell:1,missing.ply; do
+  refused drone_inspection_trials --scenes "$name" --out out
+done
+refused drone_inspection_trials --scenes random:shell:1 --scene house --out out
+refused drone_inspection --scene random:shell:1 --ground 0 --out out
 refused drone_inspection_trials --scene house --planners magic --out out
 refused drone_inspection_trials --scene house --trials 0 --out out
 

@@ -8,6 +8,8 @@ struct DroneWorldOptions;
 struct JudgeReport;
 struct NoNoise;
 struct PlanarEnvironment;
+struct RandomSceneId;
+struct RandomSceneSpec;
 struct Scene;
 struct SceneOptions;
 class SceneSpace;

@@ -33,7 +33,9 @@ struct Scene {
   TriangleMesh structure() const {
     TriangleMesh part = mesh;
     part.triangles.resize(structure_triangles);
-    return cropped(part, part.bounds());
+    // Wider than the mesh: the rounded middle of a triangle on its border may lie beyond.
+    const Box3 box = part.bounds();
+    return cropped(part, Box3(box.min() - Point3::Ones(), box.max() + Point3::Ones()));
   }
 };
 
@@ -64,6 +66,11 @@ class SceneSpace {
   TriangleMesh closed_;
   Bvh closed_surface_;
 };
+
+/// How far apart robots of this body start [m]: 2.8 m, small ones nearer.
+constexpr double starting_distance(double radius, double margin) {
+  return std::min(2.8, 2.0 * (radius + margin) + 0.1);
+}
 
 struct StartOptions {
   double radius = 1.0;   ///< Of a robot's body [m].
