@@ -27,7 +27,8 @@ struct Arguments {
 Arguments arguments(int argc, char** argv) {
   cli::Options app(
       "One drone or a fleet reconstructs a structure it does not know.\n"
-      "Writes metrics.json, reconstruction.ply, trajectory_K.tum, map.sfm and report.html "
+      "Writes metrics.json, reconstruction.ply, points.ply, trajectory_K.tum, map.sfm and "
+      "report.html "
       "to --out.\nExit status: 0 done, 2 input refused, 3 ended early.");
   Arguments a;
   InspectionOptions options(app);
@@ -54,9 +55,12 @@ int run(int argc, char** argv) {
       run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap& map) {
         watch(p, map);
         char text[160];
-        std::snprintf(text, sizeof text,
-                      "%5.0f s  %7.1f m  %5.1f %% covered  %5zu incomplete elements", p.time,
-                      p.path_length, 100.0 * watch.curve().last(), p.incomplete);
+        std::snprintf(
+            text, sizeof text,
+            "%5.0f s  %7.1f m  %5.1f %% covered by its own account (%.1f %% in truth)  %5zu "
+            "incomplete elements",
+            p.time, p.path_length, 100.0 * p.estimated_coverage, 100.0 * watch.curve().last(),
+            p.incomplete);
         line(text);
         return !cli::interrupted();
       });
@@ -75,7 +79,11 @@ int run(int argc, char** argv) {
   std::printf("  coverage %.1f %%, RMSE %.2f cm, M3C2 %.2f +- %.2f cm\n",
               100.0 * m.surface_coverage, 100.0 * m.rmse_m, 100.0 * m.m3c2_mean_m,
               100.0 * m.m3c2_std_m);
-  std::printf("  collisions %d, least clearance %.2f m, %zu incomplete elements left\n",
+  std::printf("  by its own account %.1f %% of what it met", 100.0 * run.result.coverage.share());
+  if (judged.points)
+    std::printf("; points: coverage %.1f %%, RMSE %.2f cm", 100.0 * judged.points->surface_coverage,
+                100.0 * judged.points->rmse_m);
+  std::printf("\n  collisions %d, least clearance %.2f m, %zu incomplete elements left\n",
               judged.paths.collisions, judged.paths.min_clearance_m, run.result.remaining);
   std::printf("  see %s\n", (out / "report.html").c_str());
   return run.result.complete ? cli::kDone : cli::kIncomplete;

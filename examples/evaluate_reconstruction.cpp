@@ -13,7 +13,7 @@
 #include <surfleet/evaluation.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/mapping/map_file.hpp>
-#include <surfleet/mapping/mesh_extractor.hpp>
+#include <surfleet/mapping/surface_mesh.hpp>
 
 #include "support/cli.hpp"
 

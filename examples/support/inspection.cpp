@@ -16,6 +16,7 @@
 #include <surfleet/evaluation/observable_surface.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/mapping/surface_mesh.hpp>
+#include <surfleet/mapping/surface_points.hpp>
 #include <surfleet/simulation/scenes.hpp>
 
 namespace surfleet::examples {
@@ -196,6 +197,9 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     run.mission_memory = peak_memory();
   }
   run.reconstruction = reconstruction_of(run.map, s, site.scene.region);
+  run.points =
+      cropped(extract_points(run.map, {.min_weight = s.known_weight, .threads = s.threads}),
+              site.scene.region);
   return run;
 }
 
@@ -216,16 +220,46 @@ ReconstructionEvaluation evaluate_mesh(const InspectionSettings& s, const Inspec
                   MeasuredSurface::from(mesh, e), e);
 }
 
+namespace {
+/// The share of the reference that some ray ended at which the mesh covers.
+double coverage_of_met(const InspectionSettings& s, const InspectionSite& site, const TsdfMap& map,
+                       const ReconstructionEvaluation& mesh) {
+  PointCloud met;
+  map.for_each_block([&](const TsdfMap::Block& block) {
+    for (const SurfaceHit& hit : block.layer.hits()) {
+      if (hit.weight == 0) continue;
+      met.points.push_back(map.center(TsdfMap::index_in(block, hit.voxel())) +
+                           hit.mean_offset(map.voxel_size()));
+      met.normals.push_back(hit.mean_normal().cast<float>());
+    }
+  });
+  if (met.points.empty()) return 0.0;
+  const double e_max = half_voxel_diagonal(s.voxel);
+  const OrientedCoverage near = oriented_coverage(site.reference, OrientedSurface(met),
+                                                  {.e_max = e_max, .threads = s.threads});
+  std::size_t all = 0, covered = 0;
+  for (std::size_t i = 0; i < near.distance.size(); ++i) {
+    if (near.distance[i] > e_max) continue;
+    ++all;
+    covered += mesh.facing_distance[i] <= e_max ? 1 : 0;
+  }
+  return all == 0 ? 0.0 : static_cast<double>(covered) / static_cast<double>(all);
+}
+}  // namespace
+
 InspectionJudgement judge_inspection(const InspectionSettings& s, const InspectionSite& site,
                                      const InspectionRun& run) {
   InspectionJudgement judged{.evaluation = evaluate_mesh(s, site, run.reconstruction),
-                             .point_coverage = {},
+                             .points = {},
                              .paths = judge_paths(site.judge, run.paths(), s.radius)};
-  if (!run.points.points.empty())
-    judged.point_coverage =
-        oriented_coverage(site.reference, OrientedSurface(run.points),
-                          {.e_max = half_voxel_diagonal(s.voxel), .threads = s.threads})
-            .share();
+  judged.coverage_of_met = coverage_of_met(s, site, run.map, judged.evaluation);
+  if (!run.points.points.empty()) {
+    const TriangleMesh structure = site.scene.structure();
+    const EvaluationOptions e = evaluation_options(s, structure.area());
+    judged.points = evaluate(site.reference, MeasuredSurface::from(structure, e),
+                             MeasuredSurface::from(run.points), e)
+                        .metrics;
+  }
   return judged;
 }
 }  // namespace surfleet::examples

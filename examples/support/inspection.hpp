@@ -62,7 +62,7 @@ struct InspectionRun {
   MissionResult result;
   TsdfMap map;
   TriangleMesh reconstruction;     ///< Cut to the region, without the ground.
-  PointCloud points;               ///< Of the surface, beside the mesh; empty if there are none.
+  PointCloud points;               ///< Of the surface, beside the mesh, cut as it is.
   double wall_time = 0.0;          ///< Of the mission alone [s].
   std::size_t mission_memory = 0;  ///< The process's largest until the mission's end [bytes].
 
@@ -70,8 +70,10 @@ struct InspectionRun {
 };
 /// How good that is, against the true scene.
 struct InspectionJudgement {
-  ReconstructionEvaluation evaluation;   ///< Of the mesh.
-  std::optional<double> point_coverage;  ///< Of the points, if there are any.
+  ReconstructionEvaluation evaluation;          ///< Of the mesh.
+  std::optional<ReconstructionMetrics> points;  ///< Of the points, if there are any.
+  /// Share of what the images met that the mesh covers: what the mission's own account guesses.
+  double coverage_of_met = 0.0;
   JudgeReport paths;
 };
 

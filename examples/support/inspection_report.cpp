@@ -32,6 +32,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
   const auto number = [](double v) {
     return std::isfinite(v) ? nlohmann::json(v) : nlohmann::json();
   };
+  const nlohmann::json none;
   nlohmann::json reasons = nlohmann::json::object();
   for (const auto& [reason, count] : run.result.reasons)
     reasons[std::string(name_of(reason))] = count;
@@ -51,8 +52,10 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"path_length_m", run.result.path_length},
           {"path_to_coverage_m", milestones},
           {"surface_coverage", m.surface_coverage},
-          {"point_coverage",
-           judged.point_coverage ? nlohmann::json(*judged.point_coverage) : nlohmann::json()},
+          {"estimated_coverage", run.result.coverage.share()},
+          {"coverage_of_met", judged.coverage_of_met},
+          {"point_coverage", judged.points ? number(judged.points->surface_coverage) : none},
+          {"point_rmse_m", judged.points ? number(judged.points->rmse_m) : none},
           {"m3c2_coverage", m.m3c2_coverage()},
           {"observable_share", site.reference_share},
           {"m3c2_mean_m", number(m.m3c2_mean_m)},
@@ -92,6 +95,7 @@ std::vector<std::byte> view_of(const TriangleMesh& mesh, const Box3& box, double
 
 void write_inspection(const std::filesystem::path& out, const InspectionRun& run) {
   write_ply(run.reconstruction, out / "reconstruction.ply");
+  write_ply(run.points, out / "points.ply");
   save_map(run.map, out / "map.sfm");
   for (std::size_t r = 0; r < run.result.trajectories.size(); ++r) {
     std::vector<StampedPose> poses;

@@ -68,7 +68,7 @@ class CoverageWatch {
   CoverageWatch(const InspectionSite& site, const InspectionSettings& s) : probe_(site, s) {}
   void operator()(const MissionProgress& p, const TsdfMap& map) {
     if (p.time < next_) return;
-    next_ = p.time + kPeriod;
+    next_ = p.time + std::max(kPeriod, kShare * p.time);
     curve_.time.push_back(p.time);
     curve_.path.push_back(p.path_length);
     curve_.coverage.push_back(probe_(map));
@@ -77,7 +77,8 @@ class CoverageWatch {
   const CoverageCurve& curve() const { return curve_; }
 
  private:
-  static constexpr double kPeriod = 5.0;  // [s]
+  static constexpr double kPeriod = 5.0;  // between looks at first [s] …
+  static constexpr double kShare = 0.04;  // … and of the time that has passed, later
   CoverageProbe probe_;
   CoverageCurve curve_;
   double next_ = 0.0;

@@ -4,6 +4,7 @@
 
 #include <surfleet/viewpoint/fwd.hpp>
 
+#include <surfleet/viewpoint/coverage_estimate.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>

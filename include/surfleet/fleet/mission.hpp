@@ -35,6 +35,7 @@
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
+#include <surfleet/viewpoint/coverage_estimate.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/visibility.hpp>
@@ -90,6 +91,9 @@ struct MissionProgress {
   double path_length = 0.0;  ///< Of all robots [m].
   std::size_t incomplete = 0;
   std::size_t known_blocks = 0;
+  /// The mission's own account of how complete its mesh is (`estimate_coverage`), as of the last
+  /// time it was taken: ever more seldom, as the map grows.
+  double estimated_coverage = 0.0;
 };
 
 struct TimedConfiguration {
@@ -104,6 +108,7 @@ struct MissionResult {
   std::vector<std::vector<TimedConfiguration>> trajectories;  ///< One a robot.
   std::vector<double> path_length;                            ///< One a robot [m].
   std::size_t remaining = 0;                                  ///< Incomplete elements at the end.
+  CoverageEstimate coverage;                                  ///< By its own account, at the end.
   std::map<LeftReason, std::size_t> reasons;                  ///< Of all that remain.
   std::vector<MissionProgress> history;                       ///< About once in ten seconds.
   std::size_t images = 0, plans = 0, emergency_stops = 0, waits = 0;
@@ -185,12 +190,18 @@ class Mission {
       record();
       if (time_ >= next_report) {
         next_report += 1.0;
+        if (time_ >= next_estimate_) {
+          estimate_ = estimate().share();
+          next_estimate_ = std::max(kEstimates * time_, time_ + kFirstEstimate);
+        }
         const MissionProgress progress = current();
         if (result_.history.empty() || time_ >= result_.history.back().time + 10.0)
           result_.history.push_back(progress);
         if (on_progress && !on_progress(progress)) break;
       }
     }
+    result_.coverage = estimate();
+    estimate_ = result_.coverage.share();
     result_.history.push_back(current());
     result_.completion_time = time_;
     account_for_rest();
@@ -631,7 +642,16 @@ class Mission {
     }
   }
   MissionProgress current() const {
-    return {time_, result_.total_path_length(), incomplete_.size(), known_.grid().block_count()};
+    return {.time = time_,
+            .path_length = result_.total_path_length(),
+            .incomplete = incomplete_.size(),
+            .known_blocks = known_.grid().block_count(),
+            .estimated_coverage = estimate_};
+  }
+  CoverageEstimate estimate() const {
+    const TriangleMesh mesh =
+        extract_surface(map_, {.min_weight = options_.known_weight, .threads = options_.threads});
+    return estimate_coverage(map_, mesh, incomplete_, options_.known_weight, options_.region);
   }
   void account_for_rest() {
     std::map<VoxelKey, LeftReason> planned;
@@ -649,7 +669,9 @@ class Mission {
   }
 
   static constexpr double kFairLook = 0.4;  ///< Least cosine between n̄_v and the line of sight.
-  static constexpr double kIdle = 2.0;      ///< Between requests of a robot without work [s] …
+  static constexpr double kFirstEstimate = 20.0;  ///< Between accounts of coverage at first [s] …
+  static constexpr double kEstimates = 1.25;      ///< … and later, the next over the last.
+  static constexpr double kIdle = 2.0;  ///< Between requests of a robot without work [s] …
   static constexpr double kLongestIdle = 30.0;  ///< … when nothing was found time after time.
   static constexpr double kLongestHold = 60.0;  ///< For teammates before a route is given up [s].
 
@@ -673,7 +695,7 @@ class Mission {
   std::uint64_t planned_revision_ = ~std::uint64_t{0}, step_ = 0;
   bool nothing_planned_ = false;
   int vain_plans_ = 0;  ///< Made with all at rest, since a robot last set off.
-  double time_ = 0.0;
+  double time_ = 0.0, next_estimate_ = 0.0, estimate_ = 0.0;
   MissionResult result_;
 };
 }  // namespace surfleet

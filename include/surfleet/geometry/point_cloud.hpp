@@ -17,4 +17,16 @@ struct PointCloud {
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< sRGB.
   std::size_t size() const { return points.size(); }
 };
+
+/// The points in `box`, with their attributes.
+inline PointCloud cropped(const PointCloud& cloud, const Box3& box) {
+  PointCloud part;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!box.contains(cloud.points[i])) continue;
+    part.points.push_back(cloud.points[i]);
+    if (cloud.normals.size() == cloud.size()) part.normals.push_back(cloud.normals[i]);
+    if (cloud.colors.size() == cloud.size()) part.colors.push_back(cloud.colors[i]);
+  }
+  return part;
+}
 }  // namespace surfleet
