@@ -15,6 +15,7 @@
 #include <surfleet/fleet/mission.hpp>
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
+#include <surfleet/simulation/agreeing_judges.hpp>
 #include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/judge.hpp>
 #include <surfleet/simulation/scene.hpp>
@@ -38,7 +39,8 @@ struct InspectionSite {
   /// Throws `Error` where the region has nothing to be seen.
   InspectionSite(Scene s, const InspectionSettings& settings);
 
-  /// Where so many drones start. Throws `Error` if there is no room for them.
+  /// Where so many drones start. Throws `Error` if there is no room for them, or less of it free of
+  /// the structure than the settings say.
   std::vector<Configuration> starts(const InspectionSettings& settings, int robots) const;
 
   /// What the drones' cameras see. The site must outlive it.
@@ -49,8 +51,7 @@ struct InspectionSite {
   void find_reference(const InspectionSettings& settings, const Point3& start);
 };
 
-MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site,
-                               const std::vector<Configuration>& starts);
+MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site);
 
 /// A finished mission and what it brought back.
 struct InspectionRun {
@@ -65,7 +66,10 @@ struct InspectionRun {
 /// How good that is, against the true scene.
 struct InspectionJudgement {
   ReconstructionEvaluation evaluation;
-  JudgeReport paths;
+  JudgeReport paths;              ///< By the lesser distance of two judges.
+  double disagreement = 0.0;      ///< Of the two, the largest [m].
+  std::size_t disagreements = 0;  ///< Where they are not to be trusted.
+  int keep_out_violations = 0;    ///< Times that a body came into a closed box.
 };
 
 /// Told about once a simulated second; ends the mission by returning false.
