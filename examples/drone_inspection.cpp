@@ -85,6 +85,10 @@ int run(int argc, char** argv) {
                 100.0 * judged.points->rmse_m);
   std::printf("\n  collisions %d, least clearance %.2f m, %zu incomplete elements left\n",
               judged.paths.collisions, judged.paths.min_clearance_m, run.result.remaining);
+  if (judged.keep_out_violations > 0)
+    std::printf("  keep-out boxes entered %d times\n", judged.keep_out_violations);
+  if (const std::string doubt = doubts(judged); !doubt.empty())
+    std::fprintf(stderr, "drone_inspection: %s\n", doubt.c_str());
   std::printf("  see %s\n", (out / "report.html").c_str());
   return run.result.complete ? cli::kDone : cli::kIncomplete;
 }

@@ -122,6 +122,8 @@ int run(int argc, char** argv) {
               return !cli::interrupted();
             });
         const InspectionJudgement judged = judge_inspection(s, site, one);
+        if (const std::string doubt = doubts(judged); !doubt.empty())
+          std::fprintf(stderr, "drone_inspection_trials: %s\n", doubt.c_str());
         all.push_back(inspection_metrics(s, site, one, judged, watch.curve()));
         // Written after every trial, so that an interrupt loses nothing.
         write_file(folder / "trials.json", all.dump(2) + "\n");

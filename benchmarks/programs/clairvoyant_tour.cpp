@@ -71,8 +71,10 @@ int run(int argc, char** argv) {
   // The same free space and roadmap as a mission's, on the map a perfect survey would give.
   const TsdfMap map = map_from_mesh(site.space.surface(), site.scene.bounds, s.voxel);
   const VoxelStateMap states(map, {.known_weight = s.known_weight});
-  const MissionOptions mission = mission_options(s, site, {start});
-  const FreeSpace space(states, {.radius = s.radius, .bounds = mission.bounds, .margin = 0.0});
+  const MissionOptions mission = mission_options(s, site);
+  const FreeSpace space(
+      states,
+      {.radius = s.radius, .bounds = mission.bounds, .margin = 0.0, .keep_out = mission.keep_out});
   LazyPrmStar roadmap(space, {.seed = s.seed});
 
   const SurfaceSamples all = sample_surface(site.scene.structure(), {.density = density});

@@ -76,11 +76,15 @@ Scene open_scene(const InspectionSettings& s) {
     o.standoff = std::max(s.range[1], 3.0 * s.radius);
     o.radius = s.radius;
     o.margin = s.margin;
+    o.start_clearance = s.known_around_start();
+    o.floor = s.floor;
+    o.keep_out = s.keep_out;
     return scene_from_mesh(read_mesh(s.scene), o);
   }
   require(!s.ground, "--ground: a bundled scene has its own; expected a mesh file as --scene");
   Scene scene = scene_by_name(s.scene);
   if (bounds) scene.bounds = *bounds;
+  scene.keep_out = s.keep_out;
   if (start) {
     const SceneSpace space(scene.mesh);
     require(scene.bounds.contains(*start) && space.is_free(*start, s.radius),
@@ -88,6 +92,10 @@ Scene open_scene(const InspectionSettings& s) {
                 std::to_string(s.radius) + " m around it");
     scene.station.position = *start;
   }
+  require(s.keep_out.distance(scene.station.position) >= s.radius,
+          "--keep-out: the start is in a box or beside it; expected a --start with " +
+              std::to_string(s.radius) + " m around it");
+  if (s.floor) set_floor(scene, *s.floor, s.radius);
   return scene;
 }
 
@@ -108,10 +116,11 @@ InspectionSite::InspectionSite(Scene s, const InspectionSettings& settings)
 
 std::vector<Configuration> InspectionSite::starts(const InspectionSettings& settings,
                                                   int robots) const {
-  return starting_places(scene, space, robots,
+  return starting_places(scene, space, structure, robots,
                          {.radius = settings.radius,
                           .margin = settings.margin,
-                          .spacing = starting_distance(settings.radius, settings.margin)});
+                          .spacing = starting_distance(settings.radius, settings.margin),
+                          .clearance = settings.known_around_start()});
 }
 
 DroneWorld<EmbreeRayCaster> InspectionSite::world(const InspectionSettings& s) const {
@@ -125,7 +134,8 @@ void InspectionSite::find_reference(const InspectionSettings& settings, const Po
   const ReachableLattice lattice(space.surface(), {.bounds = scene.bounds,
                                                    .start = start,
                                                    .radius = settings.radius,
-                                                   .spacing = 0.1 * settings.range[1]});
+                                                   .spacing = 0.1 * settings.range[1],
+                                                   .keep_out = scene.keep_out});
   ObservabilityOptions o;
   o.camera = camera;
   o.threads = settings.threads;
@@ -138,8 +148,7 @@ void InspectionSite::find_reference(const InspectionSettings& settings, const Po
               "--bounds or --range");
 }
 
-MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site,
-                               const std::vector<Configuration>& starts) {
+MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site) {
   MissionOptions o;
   o.camera = site.camera;
   o.voxel_size = s.voxel;
@@ -148,18 +157,16 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   o.body_radius = s.radius;
   o.margin = s.margin;
   o.unknown_margin = s.unknown_margin;
-  // The operator knows the place he starts from: nothing of the structure is nearer than this to
-  // any start, as far as it takes until the camera's image is as high as the body.
-  const double needed = s.radius + s.margin + s.voxel;
-  o.start_clearance = needed / std::sin(0.5 * radians(s.fov[1])) + 1.5 * s.voxel;
-  for (const Configuration& q : starts)
-    o.start_clearance = std::min(o.start_clearance, site.structure.distance(q.position));
+  // Said by the operator, who knows the place he starts from, and held against the truth before the
+  // mission begins: see `InspectionSite::starts`.
+  o.start_clearance = s.known_around_start();
   o.limits = s.limits;
   o.image_period = 1.0 / s.rate;
   o.utility_share = s.utility_share;
   o.looks.max_looks = s.max_looks;
   o.region = site.scene.region;
   o.bounds = site.scene.bounds;
+  o.keep_out = site.scene.keep_out;
   if (site.scene.has_ground)
     o.bounds.min().z() = std::max(o.bounds.min().z(), site.scene.ground_z + s.radius + s.margin);
   o.max_time = s.max_time;
@@ -180,8 +187,8 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
     DroneWorld<EmbreeRayCaster> world = site.world(s);
-    Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site, starts),
-                                                             world, starts, planner_for(s));
+    Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site), world,
+                                                             starts, planner_for(s));
     using Clock = std::chrono::steady_clock;
     const auto before = Clock::now();
     Clock::duration watched{};
@@ -249,9 +256,14 @@ double coverage_of_met(const InspectionSettings& s, const InspectionSite& site, 
 
 InspectionJudgement judge_inspection(const InspectionSettings& s, const InspectionSite& site,
                                      const InspectionRun& run) {
+  const AgreeingJudges both(site.judge, site.space.surface());
   InspectionJudgement judged{.evaluation = evaluate_mesh(s, site, run.reconstruction),
                              .points = {},
-                             .paths = judge_paths(site.judge, run.paths(), s.radius)};
+                             .paths = judge_paths(both, run.paths(), s.radius)};
+  judged.disagreement = both.largest_disagreement();
+  judged.disagreements = both.disagreements();
+  judged.keep_out_violations =
+      judge_paths(site.scene.keep_out, run.paths(), s.radius).collisions_with_scene;
   judged.coverage_of_met = coverage_of_met(s, site, run.map, judged.evaluation);
   if (!run.points.points.empty()) {
     const TriangleMesh structure = site.scene.structure();

@@ -16,6 +16,7 @@
 #include <surfleet/fleet/mission.hpp>
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
+#include <surfleet/simulation/agreeing_judges.hpp>
 #include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/judge.hpp>
 #include <surfleet/simulation/scene.hpp>
@@ -39,7 +40,8 @@ struct InspectionSite {
   /// Throws `Error` where the region has nothing to be seen.
   InspectionSite(Scene s, const InspectionSettings& settings);
 
-  /// Where so many drones start. Throws `Error` if there is no room for them.
+  /// Where so many drones start. Throws `Error` if there is no room for them, or less of it free of
+  /// the structure than the settings say.
   std::vector<Configuration> starts(const InspectionSettings& settings, int robots) const;
 
   /// What the drones' cameras see. The site must outlive it.
@@ -50,8 +52,7 @@ struct InspectionSite {
   void find_reference(const InspectionSettings& settings, const Point3& start);
 };
 
-MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site,
-                               const std::vector<Configuration>& starts);
+MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site);
 
 /// What is handed over of a map, and judged, while a mission is under way and at its end: the
 /// surface of what it knows at W_th, cut to the region.
@@ -74,7 +75,10 @@ struct InspectionJudgement {
   std::optional<ReconstructionMetrics> points;  ///< Of the points, if there are any.
   /// Share of what the images met that the mesh covers: what the mission's own account guesses.
   double coverage_of_met = 0.0;
-  JudgeReport paths;
+  JudgeReport paths;              ///< By the lesser distance of two judges.
+  double disagreement = 0.0;      ///< Of the two, the largest [m].
+  std::size_t disagreements = 0;  ///< Where they are not to be trusted.
+  int keep_out_violations = 0;    ///< Times that a body came into a closed box.
 };
 
 /// Told about once a simulated second; ends the mission by returning false.

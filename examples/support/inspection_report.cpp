@@ -20,6 +20,13 @@
 #include <surfleet/mapping/map_file.hpp>
 
 namespace surfleet::examples {
+std::string doubts(const InspectionJudgement& judged) {
+  if (judged.disagreements == 0) return {};
+  return "warning: the two judges of clearance disagree " + std::to_string(judged.disagreements) +
+         " times, by up to " + format_number(judged.disagreement, 4) +
+         " m; collisions are counted by the nearer, expected a mesh that both can measure";
+}
+
 nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,
                                   const InspectionRun& run, const InspectionJudgement& judged,
                                   const CoverageCurve& curve) {
@@ -39,6 +46,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
   return {{"scene", site.scene.name},
           {"planner", s.planner},
           {"preset", s.preset},
+          {"architecture", s.architecture_name()},
           {"robots", s.robots},
           {"seed", s.seed},
           {"voxel_m", s.voxel},
@@ -68,6 +76,9 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"collisions", judged.paths.collisions},
           {"min_clearance_m", number(judged.paths.min_clearance_m)},
           {"min_separation_m", number(judged.paths.min_separation_m)},
+          {"judge_disagreement_m", number(judged.disagreement)},
+          {"keep_out_violations", judged.keep_out_violations},
+          {"start_clearance_m", s.known_around_start()},
           {"remaining_ise", run.result.remaining},
           {"remaining_ise_reasons", reasons},
           {"images", run.result.images},

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "support/inspection.hpp"
@@ -88,6 +89,8 @@ constexpr std::array<double, 3> kMilestones{0.90, 0.95, 0.98};  ///< Shares whos
 /// Whether the published figures are those of this scene and these settings: of a bundled structure
 /// with its own preset, never of a user's mesh.
 inline bool has_published_figures(const InspectionSettings& s) { return s.scene == s.preset; }
+/// A warning in one line where the two judges do not agree; empty where they do.
+std::string doubts(const InspectionJudgement& judged);
 
 /// `metrics.json`.
 nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,8 @@
 #include "support/planner_names.hpp"
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/geometry/keep_out.hpp>
+#include <surfleet/geometry/text_scanner.hpp>
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/simulation/random_scene.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
@@ -70,6 +73,9 @@ struct InspectionSettings : ScenePreset {
   int image_width = 160;
   double rate = 4.0;
   std::vector<double> start, bounds;
+  std::optional<double> start_clearance;  ///< [m]; nothing: `known_around_start`.
+  std::optional<double> floor;            ///< [m]; −∞: none; nothing: the scene's own.
+  KeepOut keep_out;
   std::optional<double> ground;
   bool noise = true;
   StereoNoise stereo;
@@ -84,6 +90,18 @@ struct InspectionSettings : ScenePreset {
   int max_looks = 1;
   /// Whether `utility_share` was asked for, and holds for planners that have one of their own.
   bool utility_share_given = false;
+
+  /// What the operator knows to be free of the structure around every start [m]: unless it is said,
+  /// as far as it takes until the camera's image is as high as what the body needs.
+  double known_around_start() const {
+    const double needed = radius + margin + voxel;
+    return start_clearance.value_or(needed / std::sin(0.5 * radians(fov[1])) + 1.5 * voxel);
+  }
+  /// What it is called in results: the one fleet that flies here has one map and one planner.
+  std::string architecture_name() const {
+    if (!architecture.empty()) return architecture;
+    return robots == 1 ? "single" : "centralized";
+  }
 };
 
 /// What a program runs with these settings: one inspection, or many of several planners and fleets,
@@ -128,7 +146,16 @@ class InspectionOptions {
     app.add("--unknown-margin", settings.unknown_margin,
             "the same from what is unknown [m]; as a rule a voxel");
     app.add("--start", settings.start, "place of the first drone [m]").expected(3);
+    app.add("--start-clearance", settings.start_clearance,
+            "known to be free of the structure around every start [m]; default what the camera "
+            "leaves unseen: (radius + margin + voxel) / sin(half the vertical field of view) + 1.5 "
+            "voxels");
     app.add("--bounds", settings.bounds, "flight space x0 y0 z0 x1 y1 z1 [m]").expected(6);
+    app.add("--floor", floor_,
+            "height that no drone's body comes below [m], or none; default the mesh's lowest "
+            "point, where there is no --ground, no --bounds and the start is in no room");
+    app.add("--keep-out", keep_out_,
+            "x0 y0 z0 x1 y1 z1 of a box that no drone's body may enter [m]; may be repeated");
     app.add("--ground", settings.ground, "height of a ground plane under the mesh [m]");
     app.add("--noise", noise_, "stereo noise, on or off");
     app.add("--disparity-error", settings.stereo.disparity_error, "|e_d| of that noise [px]");
@@ -188,11 +215,26 @@ class InspectionOptions {
                                : std::max(given.cluster_max_radius, s.cluster_radius);
     require(noise_ == "on" || noise_ == "off", "--noise " + noise_ + ": expected on or off");
     s.noise = noise_ == "on";
+    s.floor = parse_floor(floor_);
+    require(keep_out_.size() % 6 == 0,
+            "--keep-out: expected six numbers x0 y0 z0 x1 y1 z1 for each box");
+    for (std::size_t i = 0; i < keep_out_.size(); i += 6)
+      s.keep_out.boxes.push_back(
+          cli::box_from_numbers({keep_out_.begin() + static_cast<std::ptrdiff_t>(i),
+                                 keep_out_.begin() + static_cast<std::ptrdiff_t>(i + 6)},
+                                "--keep-out"));
     check(s);
     return s;
   }
 
  private:
+  static std::optional<double> parse_floor(const std::string& text) {
+    if (text.empty()) return std::nullopt;
+    if (text == "none") return -std::numeric_limits<double>::infinity();
+    const auto height = parse_number<double>(text);
+    require(height && std::isfinite(*height), "--floor " + text + ": expected a height or none");
+    return height;
+  }
   static void check(const InspectionSettings& s) {
     const auto positive = [](double v, const char* name) {
       require(v > 0.0 && std::isfinite(v), std::string(name) + ": expected a positive number");
@@ -225,6 +267,9 @@ class InspectionOptions {
             "--cluster-max-radius: expected --cluster-radius or more");
     positive(s.radius, "--radius");
     positive(s.margin, "--margin");
+    if (s.start_clearance)
+      require(*s.start_clearance >= s.radius && std::isfinite(*s.start_clearance),
+              "--start-clearance: expected --radius or more");
     positive(s.unknown_margin, "--unknown-margin");
     require(s.unknown_margin <= s.margin, "--unknown-margin: expected at most --margin");
     positive(s.max_time, "--max-time");
@@ -242,6 +287,7 @@ class InspectionOptions {
   }
 
   cli::Options& app_;
-  std::string noise_ = "on";
+  std::string noise_ = "on", floor_;
+  std::vector<double> keep_out_;
 };
 }  // namespace surfleet::examples

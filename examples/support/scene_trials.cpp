@@ -257,7 +257,7 @@ int run_scene_trials(const SceneTrials& trials, InspectionOptions& options) {
           site = std::make_unique<InspectionSite>(open_scene(m.settings), m.settings);
           site->find_reference(m.settings, site->starts(m.settings, 1).front().position);
         }
-        CoverageWatch watch(*site, half_voxel_diagonal(m.settings.voxel));
+        CoverageWatch watch(*site, m.settings);
         const InspectionRun run = fly(m.settings, *site, watch, line);
         if (cli::interrupted()) break;  // half a mission is none
         nlohmann::json metrics = inspection_metrics(

@@ -9,6 +9,7 @@
 #include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
+#include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>

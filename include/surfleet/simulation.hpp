@@ -4,6 +4,7 @@
 
 #include <surfleet/simulation/fwd.hpp>
 
+#include <surfleet/simulation/agreeing_judges.hpp>
 #include <surfleet/simulation/depth_camera.hpp>
 #include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/house.hpp>

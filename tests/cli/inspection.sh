@@ -39,3 +39,11 @@ status=0
 grep -q '"planner": "tsga"' mesh/metrics.json
 grep -q '"preset": "statue"' mesh/metrics.json
 grep -q '"complete": false' mesh/metrics.json
+
+# A closed side is not entered, and the architecture is what it was asked to be.
+"$bin/drone_inspection" --scene house --robots 1 --architecture centralized --seed 3 --quiet \
+  --keep-out -20 3.5 0 20 20 20 --out closed >closed.txt
+grep -q '"keep_out_violations": 0' closed/metrics.json
+grep -q '"architecture": "centralized"' closed/metrics.json
+awk '/^[^#]/ { if ($3 > 2.5) { print "entered: " $0; exit 1 } }' closed/trajectory_1.tum
+awk '/judge_disagreement_m/ { n = 1; if ($2 + 0 > 1e-6) exit 1 } END { exit !n }' closed/metrics.json

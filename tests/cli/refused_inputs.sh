@@ -56,6 +56,17 @@ refused drone_inspection --scene house --robots 1.5 --out out
 refused drone_inspection --scene house --ground 1 --out out
 refused drone_inspection --scene house --bounds 40 40 1.5 60 60 10 --start 50 50 5 --out out
 refused drone_inspection --scene house --architecture distributed --out out
+refused drone_inspection --scene house --architecture single --robots 2 --out out
+refused drone_inspection --scene house --start-clearance 0.5 --out out
+refused drone_inspection --scene house --start-clearance 4.5 --out out
+grep -q 'has 4.03 m around it; expected at most 4.03 ' stderr.txt || failed=1
+refused drone_inspection --scene house --start 0 -4.5 2 --out out
+refused drone_inspection --scene house --floor low --out out
+refused drone_inspection --scene house --floor 1.5 --out out
+refused drone_inspection --scene house --floor 90 --out out
+refused drone_inspection --scene house --keep-out 1 2 3 --out out
+refused drone_inspection --scene house --keep-out 1 1 1 0 0 0 --out out
+refused drone_inspection --scene house --keep-out -2 -8 0 2 -6 4 --out out
 echo 'robotss = 7' >misspelt.toml
 printf '\x00\xff garbage [[[' >garbage.toml
 echo 'fov = [90, 200]' >wide.toml

@@ -107,6 +107,25 @@ TEST(a_thin_wall_stops_the_body_but_a_wide_gap_lets_it_pass) {
   }
 }
 
+TEST(a_closed_box_stops_the_body_but_no_view) {
+  TriangleMesh scene = test_shapes::box({-5, -2, 0}, {5, 2, 4}, true);
+  const Bvh bvh(scene);
+  FlightSpace space{.bounds = Box3(Point3(-5, -2, 0), Point3(5, 2, 4)),
+                    .start = {-3, 0, 2},
+                    .radius = 0.5,
+                    .spacing = 0.25};
+  space.keep_out = {{Box3(Point3(0, -9, -9), Point3(1, 9, 9))}};
+  const ReachableLattice lattice(bvh, space);
+  CHECK(lattice.count() > 100);
+  for (const Point3& p : lattice.positions()) CHECK(p.x() <= -0.5 + 1e-9);
+  // The far wall is still in sight.
+  const auto samples = sample_surface(scene, {.density = 10}).cloud;
+  const auto seen = observable_surface(samples, bvh, lattice, wide_camera());
+  CHECK_NEAR(share(samples, seen, [](const Point3& p) { return p.x() > 4.99; }), 1.0, 0.01);
+  space.keep_out.boxes[0] = Box3(Point3(-2.6, -9, -9), Point3(1, 9, 9));
+  CHECK_THROWS(Error, ReachableLattice(bvh, space));
+}
+
 TEST(range_field_of_view_and_incidence_limit_what_is_seen) {
   // A floor seen from a layer of positions at z = 4 by a level camera.
   const TriangleMesh floor = test_shapes::plane(20.0, 4, 0.0);

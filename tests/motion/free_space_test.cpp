@@ -260,6 +260,52 @@ TEST(bodies_of_any_shape) {
   CHECK(wrong == 0);
 }
 
+TEST(keep_out_boxes_block_the_way_and_nothing_else) {
+  const Box3 closed = box(-0.5, -0.4, -0.35, 0.55, 0.3, 0.6);
+  for (const bool unknown : {true, false})
+    for (const double margin : {0.0, 0.1, 0.2}) {
+      TsdfMap tsdf({.voxel_size = 0.1});
+      observe(tsdf, box(-3, -3, -3, 3, 3, 3), Boxes{});
+      VoxelStateMap states(tsdf);
+      FreeSpaceOptions o{.radius = 0.4,
+                         .unknown_is_obstacle = unknown,
+                         .bounds = box(-2, -2, -2, 2, 2, 2),
+                         .margin = margin};
+      const FreeSpace open(states, o);
+      o.keep_out = {{closed, box(1e5, 1e5, 1e5, 2e5, 2e5, 2e5)}};
+      FreeSpace space(states, o);
+      const double most = 0.4 + margin + 0.4;  // what it takes at the most
+      Random random(5);
+      int in = 0, beside = 0;
+      for (int i = 0; i < 4000; ++i) {
+        const Point3 p(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2));
+        const Point3 q(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2));
+        const double d = closed.exteriorDistance(p);
+        if (d < 0.4) CHECK(!space.is_free(p));
+        if (d > most) CHECK(space.is_free(p) == open.is_free(p));
+        (d < 0.4 ? in : beside) += open.is_free(p) ? 1 : 0;
+        if (!space.is_free_segment(p, q)) continue;
+        for (double t = 0.0; t <= 1.0; t += 0.05)
+          CHECK(closed.exteriorDistance(p + t * (q - p)) >= 0.4 - 1e-9);
+      }
+      CHECK(in > 100 && beside > 100);
+      // What the map or an operator says does not open it.
+      space.add_known_free({Point3(0, 0, 0), 2.0});
+      space.update();
+      CHECK(!space.is_free({0, 0, 0}) && !space.nearest_free({0, 0, 0}, 0.3));
+      CHECK(space.map()(VoxelIndex(0, 0, 0)) == VoxelState::empty);
+    }
+  // Where the map has nothing at all and unknown space is free.
+  TsdfMap nothing({.voxel_size = 0.1});
+  const VoxelStateMap unknown(nothing);
+  const FreeSpace blind(unknown,
+                        {.radius = 0.4, .unknown_is_obstacle = false, .keep_out = {{closed}}});
+  CHECK(!blind.is_free({0, 0, 0}) && !blind.is_free({0, 0.65, 0}) && blind.is_free({0, 1.3, 0}));
+  CHECK(!blind.is_free_segment({-2, 0, 0}, {2, 0, 0}));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS(Error, FreeSpace(unknown, {.keep_out = {{box(nan, 0, 0, 1, 1, 1)}}}));
+}
+
 TEST(free_space_settings_are_checked) {
   TsdfMap tsdf({.voxel_size = 0.1});
   VoxelStateMap states(tsdf);

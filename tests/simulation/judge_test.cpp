@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <surfleet/simulation/agreeing_judges.hpp>
 #include <surfleet/simulation/judge.hpp>
 
 #include <surfleet/core/random.hpp>
+#include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
 
 #include "check.hpp"
@@ -80,4 +82,46 @@ TEST(judge_refuses_nonsense) {
   const std::vector<std::vector<Point3>> uneven{{{0, 0, 1}}, {}};
   CHECK_THROWS(Error, judge_paths(ground, uneven, 1.0));
   CHECK(judge_paths(ground, {}, 1.0).collisions == 0);
+}
+
+TEST(judge_of_keep_out_boxes) {
+  const KeepOut closed{
+      {Box3(Point3(0, -1, -1), Point3(2, 1, 1)), Box3(Point3(9, 9, 9), Point3(10, 10, 10))}};
+  static_assert(DistanceJudge<KeepOut>);
+  CHECK(closed.distance({1, 0, 0}) == 0.0 && KeepOut{}.distance({1, 0, 0}) == JudgeReport::kNone);
+  CHECK_NEAR(closed.distance({3, 2, 0}), std::sqrt(2.0), 1e-12);
+  const auto flown = [&](double y) {
+    return judge_paths(closed, std::vector<std::vector<Point3>>{{{-5, y, 0}, {5, y, 0}}}, 0.5)
+        .collisions;
+  };
+  CHECK(flown(0.0) == 1 && flown(1.4) == 1 && flown(1.6) == 0);
+}
+
+TEST(two_judges_agree_or_say_so) {
+  struct Off {
+    double by;
+    double distance(const Point3& p) const { return std::abs(p.z()) + (p.x() > 0.0 ? by : 0.0); }
+  };
+  const Off true_one{0.0}, near_one{5e-4}, high{0.3}, low{-0.2};
+  const std::vector<std::vector<Point3>> path{{{-3, 0, 2}, {-1, 0, 1.1}, {1, 0, 1.1}, {3, 0, 2}}};
+  const AgreeingJudges same(true_one, near_one);
+  CHECK(judge_paths(same, path, 1.0).collisions == 0);
+  CHECK(same.disagreements() == 0);
+  CHECK_NEAR(same.largest_disagreement(), 5e-4, 1e-12);
+  // Neither hides what the other sees, whichever is asked first.
+  const AgreeingJudges a(true_one, low), b(low, true_one), c(true_one, high);
+  CHECK(judge_paths(a, path, 1.0).collisions == 1 && judge_paths(b, path, 1.0).collisions == 1);
+  CHECK(judge_paths(c, path, 1.0).collisions == 0);
+  CHECK(a.disagreements() > 0 && b.disagreements() == a.disagreements() && c.disagreements() > 0);
+  CHECK_NEAR(a.largest_disagreement(), 0.2, 1e-12);
+  CHECK_NEAR(c.largest_disagreement(), 0.3, 1e-12);
+  // Nothing to measure is no disagreement; one that gives no number is the largest.
+  const Bvh nothing;
+  const AgreeingJudges empty(nothing, nothing);
+  CHECK(empty.distance({0, 0, 0}) == JudgeReport::kNone && empty.disagreements() == 0);
+  const Off none{std::numeric_limits<double>::quiet_NaN()};
+  const AgreeingJudges broken(none, true_one);
+  CHECK_NEAR(broken.distance({1, 0, 2}), 2.0, 1e-12);
+  CHECK(broken.disagreements() == 1 && std::isinf(broken.largest_disagreement()));
+  CHECK_THROWS(Error, AgreeingJudges(true_one, low, 0.0));
 }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/simulation/scene.hpp>
 
+#include <cmath>
+#include <limits>
+#include <string>
+
 #include <surfleet/core/random.hpp>
 #include <surfleet/simulation/scenes.hpp>
 
@@ -82,6 +86,101 @@ TEST(a_shell_facing_inward_is_a_room) {
   const Scene scene = scene_from_mesh(room);
   CHECK(Box3(Point3(0, 0, 0), Point3(9, 7, 4)).contains(scene.station.position));
   CHECK(SceneSpace(scene.mesh).clearance(scene.station.position) >= 1.3);
+}
+
+TEST(robots_stay_above_the_foot_of_a_structure_outdoors_unless_told_otherwise) {
+  const double inf = std::numeric_limits<double>::infinity();
+  const TriangleMesh box = make_box({0, 0, 0}, {4, 4, 4});
+  const Scene usual = scene_from_mesh(box);
+  CHECK(usual.bounds.min().z() == 1.0 && usual.bounds.max().z() == 12.0);
+  const Scene free = scene_from_mesh(box, {.floor = -inf});
+  CHECK(free.bounds.min().z() == -8.0);
+  // It limits flight and nothing else.
+  CHECK(usual.region.min() == free.region.min() && usual.region.max() == free.region.max());
+  CHECK(usual.station.position == free.station.position);
+  CHECK(usual.mesh.triangles == free.mesh.triangles);
+  CHECK(scene_from_mesh(box, {.floor = 1.5}).bounds.min().z() == 2.5);
+  CHECK(scene_from_mesh(box, {.floor = -50.0}).bounds.min().z() == -8.0);
+  // Told otherwise: by bounds, by a ground, by a start below the foot or just above it.
+  const Box3 bounds(Point3(-9, -9, -5), Point3(9, 9, 9));
+  CHECK(scene_from_mesh(box, {.bounds = bounds}).bounds.min().z() == -5.0);
+  CHECK(scene_from_mesh(box, {.bounds = bounds, .floor = 0.0}).bounds.min().z() == 1.0);
+  CHECK(scene_from_mesh(box, {.ground = -2.0}).bounds.min().z() == -2.0);
+  CHECK(scene_from_mesh(box, {.start = Point3(2, -4, -3)}).bounds.min().z() == -8.0);
+  CHECK(scene_from_mesh(box, {.start = Point3(2, -4, 0.5)}).bounds.min().z() == 0.5);
+  // A room keeps its robots in by itself.
+  TriangleMesh room = make_box({0, 0, 0}, {9, 7, 4});
+  for (Triangle& t : room.triangles) std::swap(t[0], t[1]);
+  CHECK(scene_from_mesh(room).bounds.min().z() == -8.0);
+  CHECK_THROWS(Error, scene_from_mesh(box, {.floor = 11.5}));
+  CHECK_THROWS(Error, scene_from_mesh(box, {.start = Point3(2, -4, 2), .floor = 1.5}));
+  CHECK_THROWS(Error, scene_from_mesh(box, {.floor = std::nan("")}));
+}
+
+TEST(starts_have_the_clearance_that_is_asked_for_or_are_refused_with_what_would_do) {
+  // A corridor between two blocks, and a yard before it.
+  TriangleMesh mesh = make_box({-9, 0, 0}, {-2, 20, 8});
+  append(mesh, make_box({2, 0, 0}, {9, 20, 8}));
+  SceneOptions o{.start = Point3(0, 10, 4)};
+  const Scene corridor = scene_from_mesh(mesh, o);
+  const SceneSpace space(corridor.mesh);
+  const auto why = [](const Scene& scene, int robots, double clearance) -> std::string {
+    try {
+      for (const Configuration& q : starting_places(scene, robots, {.clearance = clearance}))
+        CHECK(Bvh(scene.structure()).distance(q.position) >= clearance);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return {};
+  };
+  CHECK(why(corridor, 3, 2.0).empty());
+  CHECK(why(corridor, 1, 2.75).find("has 2.00 m around it; expected at most 2.00 ") !=
+        std::string::npos);
+  // Some have it and some have not: what is said to do does, and a little more does not.
+  o.start = Point3(0, -3.4, 4);
+  o.bounds = Box3(Point3(-4, -4, 1), Point3(4, 20, 8));
+  const Scene yard = scene_from_mesh(mesh, o);
+  const std::string said = why(yard, 5, 3.3);
+  const std::size_t at = said.find("expected at most ");
+  CHECK(at != std::string::npos);
+  if (at != std::string::npos) {
+    const double most = std::stod(said.substr(at + 17));
+    CHECK(most > 1.3 && most < 3.3);
+    CHECK(why(yard, 3, 3.3).empty() && why(yard, 5, most).empty() &&
+          !why(yard, 5, most + 0.02).empty());
+  }
+  // Without a start, a place is looked for that has it; where there is none, the best is taken.
+  for (const double wanted : {0.0, 3.0, 4.5, 6.0}) {
+    const Scene found = scene_from_mesh(mesh, {.start_clearance = wanted});
+    CHECK(Bvh(mesh).distance(found.station.position) >= wanted);
+    CHECK(wanted > 3.0 || found.station.position == scene_from_mesh(mesh).station.position);
+  }
+  const Scene none = scene_from_mesh(mesh, {.start_clearance = 50.0});
+  CHECK(Bvh(mesh).distance(none.station.position) > 6.0 && !why(none, 1, 50.0).empty());
+  // The ground is no structure, be it as near as it will.
+  const Scene grounded = scene_from_mesh(mesh, {.ground = 0.0, .start_clearance = 4.5});
+  CHECK(why(grounded, 1, 4.5).empty() && grounded.station.position.z() < 4.5);
+  // Of a mesh that has a ground of its own, it is.
+  TriangleMesh whole = mesh;
+  append(whole, make_box({-30, -30, -1}, {30, 40, 0}));
+  const Scene own = scene_from_mesh(whole, {.start_clearance = 3.75});
+  CHECK(why(own, 3, 3.75).empty());
+}
+
+TEST(nobody_starts_in_a_closed_box) {
+  const TriangleMesh box = make_box({0, 0, 0}, {4, 4, 4});
+  const Scene open = scene_from_mesh(box);
+  const Point3 s = open.station.position;
+  SceneOptions o;
+  o.keep_out = {{Box3(s - Point3::Constant(0.5), s + Point3::Constant(0.5))}};
+  const Scene closed = scene_from_mesh(box, o);
+  CHECK(o.keep_out.distance(closed.station.position) >= 1.0);
+  o.start = s;
+  CHECK_THROWS(Error, scene_from_mesh(box, o));
+  o.start.reset();
+  o.keep_out = {{Box3(s + Point3(1.5, -9, -9), s + Point3(40, 9, 9))}};
+  for (const Configuration& q : starting_places(scene_from_mesh(box, o), 5))
+    CHECK(o.keep_out.distance(q.position) >= 1.0);
 }
 
 TEST(bad_scenes_are_refused) {

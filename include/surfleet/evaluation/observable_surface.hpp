@@ -5,7 +5,8 @@
 /// A surface has two sides, and each is looked at for itself: a sheet that can be seen from both is
 /// covered twice, while nobody sees the inner side of a closed solid. A side of a surface point
 /// counts as observable if some position of a cubic lattice exists that
-/// 1. lies in the flight space and keeps the body's radius plus a margin away from every triangle,
+/// 1. lies in the flight space and keeps the body's radius plus a margin away from every triangle
+///    and from every box that is closed to robots,
 /// 2. is joined to the start by steps between neighbours of the lattice (26 of them), each step
 ///    straight and keeping the radius all along,
 /// 3. has the point between the camera's least and greatest depth and inside its image once the
@@ -33,6 +34,7 @@
 #include <surfleet/core/rotation.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 #include <surfleet/geometry/point_cloud.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
@@ -46,6 +48,7 @@ struct FlightSpace {
   double margin = 0.0;                  ///< Kept on top of the radius [m].
   double spacing = 0.5;                 ///< Of the lattice [m].
   std::size_t max_nodes = 200'000'000;  ///< A lattice larger than this is refused.
+  KeepOut keep_out{};                   ///< Closed to the body, and to nothing else.
 };
 
 /// The free positions of a lattice that can be reached from a start.
@@ -55,7 +58,8 @@ class ReachableLattice {
  public:
   /// Throws `Error` on an empty box, lengths that are not positive, a lattice that is too large,
   /// or a start that is not free.
-  ReachableLattice(const Bvh& obstacles, const FlightSpace& space) : spacing_(space.spacing) {
+  ReachableLattice(const Bvh& obstacles, const FlightSpace& space)
+      : spacing_(space.spacing), keep_out_(space.keep_out) {
     require(!space.bounds.isEmpty() && space.bounds.sizes().allFinite(),
             "flight space: expected a box with each minimum at most its maximum");
     require(space.spacing > 0.0 && space.radius > 0.0 && space.margin >= 0.0,
@@ -115,10 +119,10 @@ class ReachableLattice {
     }
     return false;
   }
-  /// Distance to the nearest triangle, or `enough` if it is no nearer.
-  static double clearance(const Bvh& obstacles, const Point3& p, double enough) {
+  /// Distance to the nearest triangle or closed box, or `enough` if it is no nearer.
+  double clearance(const Bvh& obstacles, const Point3& p, double enough) const {
     const auto nearest = obstacles.closest_point(p, enough);
-    return nearest ? nearest->distance : enough;
+    return std::min(nearest ? nearest->distance : enough, keep_out_.distance(p));
   }
 
   void flood(const Bvh& obstacles, const FlightSpace& space) {
@@ -173,6 +177,7 @@ class ReachableLattice {
   }
 
   double spacing_;
+  KeepOut keep_out_;
   Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
   Point3 origin_ = Point3::Zero();
   std::vector<std::uint8_t> reached_;

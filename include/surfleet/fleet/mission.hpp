@@ -73,6 +73,7 @@ struct MissionOptions {
   bool watchful = true;        ///< On the way, turn to what there is to see.
   Box3 region;                 ///< Where surface is to be reconstructed [m].
   Box3 bounds;                 ///< Where the robots may fly [m].
+  KeepOut keep_out;            ///< Where in there their bodies may not be.
   double max_time = 7200.0;    ///< The mission ends at this time at the latest [s].
   int threads = 1;
   std::uint64_t seed = 1;
@@ -149,7 +150,8 @@ class Mission {
         free_(flyable_, {.radius = options_.body_radius,
                          .bounds = options_.bounds,
                          .margin = options_.margin,
-                         .unknown_margin = options_.unknown_margin}),
+                         .unknown_margin = options_.unknown_margin,
+                         .keep_out = options_.keep_out}),
         roadmap_(free_, {.seed = options_.seed}),
         headings_(options_.camera, options_.T_body_camera),
         frustum_(options_.camera, options_.T_body_camera),
@@ -240,7 +242,9 @@ class Mission {
     require(o.limits.speed > 0.0, "speed: expected more than 0 m/s");
     require(!o.bounds.isEmpty(), "bounds: expected a box to fly in");
     for (const Configuration& s : starts)
-      require(o.bounds.contains(s.position), "start outside the bounds: expected a start inside");
+      require(o.bounds.contains(s.position) && o.keep_out.distance(s.position) >= o.body_radius,
+              "start outside the bounds or in a keep-out box: expected a start inside the one and "
+              "outside the other");
     if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
     if (o.margin <= 0.0) o.margin = o.voxel_size;
     if (o.unknown_margin <= 0.0) o.unknown_margin = o.margin;

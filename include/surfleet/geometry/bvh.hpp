@@ -30,21 +30,30 @@ struct ClosestPoint {
 };
 
 /// A hierarchy of axis-aligned boxes, split where the surface-area heuristic is least over 16
-/// bins. It holds a copy of the corners, so the mesh need not live on. Any soup is fine.
+/// bins. It holds a copy of the corners, so the mesh need not live on. Any soup is fine; triangles
+/// with a coordinate that is not finite are left out.
 ///
 /// Build O(n log n); a query typically O(log n). Queries are const and safe from many threads.
 class Bvh {
  public:
   Bvh() = default;
   explicit Bvh(const TriangleMesh& mesh) {
-    const std::size_t n = mesh.triangles.size();
-    if (n == 0) return;
-    std::vector<Build> items(n);
-    for (std::size_t t = 0; t < n; ++t) {
-      for (std::size_t k = 0; k < 3; ++k) items[t].box.extend(mesh.corner(t, k));
-      items[t].centre = items[t].box.center();
-      items[t].triangle = static_cast<std::int32_t>(t);
+    std::vector<Build> items;
+    items.reserve(mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      Build item;
+      bool finite = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        finite = finite && mesh.corner(t, k).allFinite();
+        item.box.extend(mesh.corner(t, k));
+      }
+      if (!finite) continue;
+      item.centre = item.box.center();
+      item.triangle = static_cast<std::int32_t>(t);
+      items.push_back(item);
     }
+    const std::size_t n = items.size();
+    if (n == 0) return;
     nodes_.reserve(2 * n / kLeaf + 2);
     nodes_.emplace_back();
     split(0, items, 0, n, 0);
@@ -57,6 +66,7 @@ class Bvh {
     }
   }
 
+  /// Those that are held.
   std::size_t triangle_count() const { return index_.size(); }
   Box3 bounds() const { return nodes_.empty() ? Box3() : nodes_[0].box; }
 

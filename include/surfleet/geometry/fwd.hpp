@@ -17,6 +17,7 @@ class Graph;
 class HalfEdges;
 struct HalfPlane;
 class KdTree;
+struct KeepOut;
 class MeshAdjacency;
 struct MeshComponents;
 struct PinholeCamera;

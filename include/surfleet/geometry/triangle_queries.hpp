@@ -18,16 +18,25 @@ inline Point3 closest_on_segment(const Point3& p, const Point3& a, const Point3&
 }
 
 /// The point of triangle abc nearest to `p`, by the Voronoi regions of its features. Triangles
-/// without area, even single points, are fine.
+/// without area, even single points, are fine; in a sliver, where rounding decides which region
+/// `p` is in, the nearest of its edges and of its inside is taken, whose points all lie in it.
 inline Point3 closest_on_triangle(const Point3& p, const Point3& a, const Point3& b,
                                   const Point3& c) {
   const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a;
   const Eigen::Vector3d n = ab.cross(ac);
   const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), (c - b).squaredNorm()});
-  if (n.squaredNorm() <= 1e-24 * longest2 * longest2) {  // a needle: its edges are all of it
+  constexpr double kSliver = 1e-4;  // height over longest edge
+  if (const double n2 = n.squaredNorm(); n2 <= kSliver * kSliver * longest2 * longest2) {
     Point3 best = closest_on_segment(p, a, b);
-    for (const Point3& q : {closest_on_segment(p, b, c), closest_on_segment(p, c, a)})
+    const auto consider = [&](const Point3& q) {
       if ((q - p).squaredNorm() < (best - p).squaredNorm()) best = q;
+    };
+    consider(closest_on_segment(p, b, c));
+    consider(closest_on_segment(p, c, a));
+    if (n2 > 0.0) {
+      const double v = n.dot(ap.cross(ac)) / n2, w = n.dot(ab.cross(ap)) / n2;
+      if (v >= 0.0 && w >= 0.0 && v + w <= 1.0) consider(a + v * ab + w * ac);
+    }
     return best;
   }
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);

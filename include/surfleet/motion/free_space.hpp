@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/collision_body.hpp>
 
@@ -31,6 +32,8 @@ struct FreeSpaceOptions {
   std::optional<double> margin{};
   /// The same for an unknown voxel, `margin` at the most; that if not given [m].
   std::optional<double> unknown_margin{};
+  /// Obstacles, whatever the map says of them.
+  KeepOut keep_out{};
 };
 
 /// Free-space queries for a ball-shaped body over a map's voxel states.
@@ -95,6 +98,7 @@ class FreeSpace {
       for_each_index(Grid::block_of(grid_.index_of(options_.bounds.min())),
                      Grid::block_of(grid_.index_of(options_.bounds.max())),
                      [&](const BlockIndex& b) { grid_.mark_changed(make(b)); });
+    add_keep_out();
     update();
   }
 
@@ -122,7 +126,8 @@ class FreeSpace {
   std::size_t update() {
     std::vector<Change> changes;
     const auto refresh = [&](const BlockIndex& index) {
-      const RowBits bits = obstacle_bits(index);
+      RowBits bits = obstacle_bits(index);
+      block_keep_out(index, bits);
       std::uint32_t slot = grid_.find_slot(index);
       const RowBits old = slot == Grid::kNone ? default_bits() : bits_[slot];
       if (bits == old) return;
@@ -430,6 +435,45 @@ class FreeSpace {
     }
     if (growth_ > 0.0) add_grown(index, bits);
     return bits;
+  }
+
+  /// How near a box of `keep_out` voxel centres are obstacles: every point within the body's radius
+  /// of the box then has one within `required_`, as it has a centre within half a diagonal.
+  double keep_out_reach() const {
+    const double half_diagonal = 0.5 * std::sqrt(3.0) * voxel_size();
+    return half_diagonal + std::max(0.0, half_diagonal - margin_);
+  }
+  /// Where unknown space is free, the blocks in question must be looked at though the map has none.
+  void add_keep_out() {
+    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(keep_out_reach());
+    const Eigen::Vector3d far = Eigen::Vector3d::Constant(required_ + excess_ + voxel_size());
+    for (const Box3& box : options_.keep_out.boxes) {
+      require(box.min().allFinite() && box.max().allFinite() && !box.isEmpty(),
+              "keep-out: expected boxes with each minimum at most its maximum");
+      Box3 near(box.min() - reach, box.max() + reach);
+      if (!options_.bounds.isEmpty())
+        near = near.intersection(Box3(options_.bounds.min() - far, options_.bounds.max() + far));
+      if (near.isEmpty()) continue;
+      for_each_index(Grid::block_of(grid_.index_of(near.min())),
+                     Grid::block_of(grid_.index_of(near.max())),
+                     [&](const BlockIndex& b) { pending_.push_back(b); });
+    }
+  }
+  void block_keep_out(const BlockIndex& index, RowBits& bits) const {
+    if (options_.keep_out.empty()) return;
+    const double reach = keep_out_reach();
+    const Point3 first = grid_.center(index * kSide);
+    const Box3 block(first, first + Point3::Constant((kSide - 1) * voxel_size()));
+    for (const Box3& box : options_.keep_out.boxes) {
+      if (box.exteriorDistance(block) > reach) continue;
+      for (std::size_t o = 0; o < Grid::kBlockVoxels; ++o) {
+        const Point3 c = first + voxel_size() * Point3(static_cast<double>(o % 8),
+                                                       static_cast<double>(o / 8 % 8),
+                                                       static_cast<double>(o / 64));
+        if (box.squaredExteriorDistance(c) <= reach * reach)
+          bits[o / 8] = static_cast<std::uint8_t>(bits[o / 8] | 1U << (o % 8));
+      }
+    }
   }
 
   /// Takes over which voxels of a block of the map are occupied, and names the blocks that what
