@@ -148,14 +148,14 @@ TEST(random_scene_names) {
 }
 
 TEST(random_seeds_have_their_use) {
-  for (const std::uint64_t s : {1, 50, 99}) CHECK(random_seed_use(s) == "development");
-  for (const std::uint64_t s : {1000, 1001, 123456}) CHECK(random_seed_use(s) == "reported");
-  for (const std::uint64_t s : {0, 100, 999}) CHECK(random_seed_use(s) == "unassigned");
+  for (const std::uint64_t s : {1U, 50U, 99U}) CHECK(random_seed_use(s) == "development");
+  for (const std::uint64_t s : {1000U, 1001U, 123456U}) CHECK(random_seed_use(s) == "reported");
+  for (const std::uint64_t s : {0U, 100U, 999U}) CHECK(random_seed_use(s) == "unassigned");
 }
 
 TEST(random_scenes_are_sound) {
   for (const RandomSceneSpec& spec : kRandomSceneKinds)
-    for (const std::uint64_t seed : {1, 2, 5, 17}) {
+    for (const std::uint64_t seed : {1U, 2U, 5U, 17U}) {
       const Scene scene = random_scene({spec.kind, seed});
       CHECK(scene.name == RandomSceneId{spec.kind, seed}.name());
       for (const Point3& v : scene.mesh.vertices) CHECK(v.allFinite());
@@ -182,7 +182,8 @@ TEST(random_scenes_are_sound) {
         if (indoors && !random_seed_is_dirty(seed)) CHECK(space.is_room(q.position));
       }
       for (std::size_t i = 1; i < starts.size(); ++i)
-        CHECK((starts[i].position - starts[0].position).norm() > 2.0 * (spec.radius + spec.margin) - 1e-9);
+        CHECK((starts[i].position - starts[0].position).norm() >
+              2.0 * (spec.radius + spec.margin) - 1e-9);
       if (random_seed_is_dirty(seed)) continue;
       // Closed parts face outward, the air of rooms inward.
       const std::vector<double> volume = volumes(structure);
@@ -197,7 +198,7 @@ TEST(random_scenes_repeat_and_differ) {
     const TriangleMesh a = random_mesh({spec.kind, 3}), b = random_mesh({spec.kind, 3});
     CHECK(a.vertices == b.vertices && a.triangles == b.triangles);
     std::set<double> areas;
-    for (const std::uint64_t seed : {1, 2, 3, 4, 1000})
+    for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 1000U})
       areas.insert(random_mesh({spec.kind, seed}).area());
     CHECK(areas.size() == 5);
   }
@@ -222,13 +223,13 @@ TEST(draws_by_name_do_not_shift_one_another) {
 
 TEST(every_fifth_random_scene_is_dirty) {
   for (const RandomSceneSpec& spec : kRandomSceneKinds) {
-    for (const std::uint64_t seed : {5, 1010}) {
+    for (const std::uint64_t seed : {5U, 1010U}) {
       CHECK(random_seed_is_dirty(seed));
       const Dirt d = dirt_of(random_mesh({spec.kind, seed}));
       CHECK(d.duplicates >= 6 && d.slivers >= 6 && d.lines >= 1 && d.twice >= 1);
       CHECK(d.non_manifold >= 6);
     }
-    for (const std::uint64_t seed : {4, 1011}) {
+    for (const std::uint64_t seed : {4U, 1011U}) {
       const Dirt d = dirt_of(random_mesh({spec.kind, seed}));
       CHECK(d.duplicates == 0 && d.slivers == 0 && d.lines == 0 && d.twice == 0);
     }
@@ -251,7 +252,7 @@ TEST(every_fifth_random_scene_is_dirty) {
 TEST(lattices_are_of_thin_members) {
   using detail::random_scene::lattice::kThickest;
   using detail::random_scene::lattice::kThinnest;
-  for (const std::uint64_t seed : {1, 2, 3, 4, 6, 7, 8, 9}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 6U, 7U, 8U, 9U}) {
     const TriangleMesh mesh = random_mesh({"lattice", seed});
     const MeshComponents parts = connected_components(mesh);
     std::vector<std::set<std::int32_t>> vertices(parts.count);
@@ -272,7 +273,7 @@ TEST(lattices_are_of_thin_members) {
 
 TEST(shells_are_at_most_ten_centimetres_thick) {
   int sheets = 0, solids = 0;
-  for (const std::uint64_t seed : {1, 2, 3, 4, 6, 7, 8, 9, 11, 12}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 6U, 7U, 8U, 9U, 11U, 12U}) {
     const TriangleMesh mesh = random_mesh({"shell", seed});
     // The shell is the first part; all its vertices have the other side within its thickness.
     const MeshComponents parts = connected_components(mesh);
