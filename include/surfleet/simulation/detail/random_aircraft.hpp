@@ -111,8 +111,8 @@ inline TriangleMesh aircraft(Draw draw) {
                                                    engine - Point3(1.8, 0, 0)},
                              std::array<double, 3>{0.08, 0.6 * er, 0.15}, 16));
     }
-    append(mesh, make_box({engine.x() - 0.8, engine.y() - 0.08, std::min(ez, root) + 0.2},
-                          {engine.x() + 0.2, engine.y() + 0.08, std::max(ez, root) + 0.1}));
+    append(mesh, make_box({engine.x() - 0.8, engine.y() - 0.08, std::min(ez + 0.2, root - 0.15)},
+                          {engine.x() + 0.2, engine.y() + 0.08, root + 0.1}));
     append(mesh, make_cylinder({at - 0.4, side * 1.3, 0.4},
                                {at - 0.4, side * 0.8, z - 0.5 * radius}, 0.09, 8));
     append(mesh,

@@ -54,7 +54,7 @@ inline void make_dirty(TriangleMesh& mesh, const Draw& draw, double floor) {
   for (int k = some(0.01); k > 0; --k) {
     const std::size_t t = pick(lines);
     const auto [a, b, c] = mesh.triangles[t];
-    if (lines.chance(0.2)) {
+    if (k % 5 == 0) {
       mesh.triangles.push_back({a, b, b});
       continue;
     }

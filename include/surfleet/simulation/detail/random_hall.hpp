@@ -61,10 +61,11 @@ inline TriangleMesh furniture(Draw draw, double height) {
 inline void add_rooms(BoxSolid& air, TriangleMesh& mesh, Draw draw, const Layout& l, double side) {
   const int rooms = draw.whole(1, 3);
   const double deep = draw.in(3.6, 5.0), high = std::min(l.h, draw.in(2.8, 3.6));
-  const double wide = l.w / rooms, near = side * (0.5 * l.d + 0.2), far = near + side * deep;
+  const auto wall = [&](int k) { return l.w * (static_cast<double>(k) / rooms - 0.5); };
+  const double near = side * (0.5 * l.d + 0.2), far = near + side * deep;
   for (int k = 0; k < rooms; ++k) {
     Draw own = draw("room", k);
-    const double west = -0.5 * l.w + k * wide + 0.1, east = west + wide - 0.2;
+    const double west = wall(k) + 0.1, east = wall(k + 1) - 0.1;
     air.add({west, std::min(near, far), 0}, {east, std::max(near, far), high});
     const double door = own.in(1.7, 2.2), x = own.in(west + 0.4, east - door - 0.4);
     air.add({x, std::min(near, side * 0.5 * l.d), 0},
@@ -72,7 +73,7 @@ inline void add_rooms(BoxSolid& air, TriangleMesh& mesh, Draw draw, const Layout
     const double y = 0.5 * (near + far) + side * (0.5 * deep - 0.9);
     append(mesh, placed(furniture(own("furniture"), high), {own.in(west + 1.3, east - 1.3), y, 0}));
     if (rooms > 1 && k > 0 && own.chance(0.5))  // from room to room
-      air.add({west - 0.2, 0.5 * (near + far) - 0.9, 0}, {west, 0.5 * (near + far) + 0.9, 2.3});
+      air.add({wall(k) - 0.1, 0.5 * (near + far) - 0.9, 0}, {west, 0.5 * (near + far) + 0.9, 2.3});
   }
 }
 

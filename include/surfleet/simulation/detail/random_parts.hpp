@@ -117,8 +117,12 @@ inline TriangleMesh thickened(const TriangleMesh& sheet, double thickness) {
   TriangleMesh solid = sheet;
   std::vector<Eigen::Vector3d> normal(sheet.vertices.size(), Eigen::Vector3d::Zero());
   for (std::size_t t = 0; t < sheet.triangles.size(); ++t)
-    for (const std::int32_t v : sheet.triangles[t])
-      normal[static_cast<std::size_t>(v)] += sheet.area_vector(t).normalized();
+    for (std::size_t k = 0; k < 3; ++k) {  // by angle: what counts is the shape, not its triangles
+      const Eigen::Vector3d a = sheet.corner(t, (k + 1) % 3) - sheet.corner(t, k);
+      const Eigen::Vector3d b = sheet.corner(t, (k + 2) % 3) - sheet.corner(t, k);
+      normal[static_cast<std::size_t>(sheet.triangles[t][k])] +=
+          std::atan2(a.cross(b).norm(), a.dot(b)) * sheet.area_vector(t).normalized();
+    }
   for (std::size_t v = 0; v < sheet.vertices.size(); ++v)
     solid.vertices.push_back(sheet.vertices[v] - thickness * normal[v].normalized());
   const auto n = static_cast<std::int32_t>(sheet.vertices.size());

@@ -22,7 +22,7 @@ inline TriangleMesh stepped(Draw draw) {
   const int blocks = draw.whole(2, 3);
   for (int b = 0; b < blocks; ++b) {
     Draw own = draw("block", b);
-    const int floors = own.whole(2, 4);
+    const int floors = own.whole(2, blocks == 2 ? 4 : 3);
     const double storey = own.in(2.8, 3.4), top = z + 2.6 * (b == 0 ? 1.0 : 0.0) + floors * storey;
     const double base = top - floors * storey;
     s.add({-0.5 * w, -0.5 * d, z}, {0.5 * w, 0.5 * d, top});
