@@ -16,6 +16,7 @@
 
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/error.hpp>
+#include <surfleet/core/parse_number.hpp>
 #include <surfleet/core/types.hpp>
 
 namespace surfleet {
