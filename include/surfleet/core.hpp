@@ -8,6 +8,7 @@
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
+#include <surfleet/core/parse_number.hpp>
 #include <surfleet/core/random.hpp>
 #include <surfleet/core/rotation.hpp>
 #include <surfleet/core/types.hpp>

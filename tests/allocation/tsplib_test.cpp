@@ -88,6 +88,15 @@ TEST(tsplib_round_trip) {
   CHECK_THROWS(Error, read_tsplib(path));
 }
 
+TEST(tsplib_passes_over_keywords_that_it_does_not_know) {
+  const TsplibInstance instance = parse_tsplib(
+      "NAME : six\nBEST_KNOWN : 17.5 (proved)\nTYPE: TSP\nSOURCE:\nDIMENSION: 3\nVEHICLES : 2\n"
+      "EDGE_WEIGHT_TYPE: EXPLICIT\nSALESMAN: J. Doe: the second\nEDGE_WEIGHT_FORMAT: UPPER_ROW\n"
+      "EDGE_WEIGHT_SECTION\n1 2 3\nOPTIMUM: 6\nEOF\n");
+  CHECK(instance.name == "six" && instance.costs.size() == 3);
+  CHECK(instance.costs(0, 1) == 1.0 && instance.costs(1, 2) == 3.0);
+}
+
 TEST(tsplib_refuses_bad_files_in_one_line_with_its_number) {
   const std::pair<std::string, std::string> bad[] = {
       {"", "DIMENSION"},
@@ -117,7 +126,7 @@ TEST(tsplib_refuses_bad_files_in_one_line_with_its_number) {
       {explicit_file("UPPER_ROW", "0 1 2 3 4 inf"), "finite"},
       {explicit_file("UPPER_ROW", "0 1 2 3 4 5 6"), "not a keyword"},
       {"DIMENSION: 3\nFIXED_EDGES_SECTION\n", "not supported"},
-      {"DIMENSION: 3\nBANANA: 3\n", "unknown keyword"},
+      {"DIMENSION: 3\nBANANA 3\n", "unknown keyword"},
       {": 3\n", "colon"},
       {std::string("DIMENSION: 3\n\0\x01\xff", 16), "not a keyword"}};
   for (const auto& [text, part] : bad) {

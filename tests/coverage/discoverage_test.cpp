@@ -45,3 +45,23 @@ TEST(two_robots_are_faster_than_one_and_small_worlds_end_at_once) {
   CHECK_THROWS(
       Error, DisCoverage(box.domain, group_start(box.domain, box.start, 1, 0.1), {.range = 0.01}));
 }
+
+namespace {
+/// How far a robot gets to the right of its start in so many steps. It stands in a hall that goes
+/// on to the right; a pillar beside it hides a little of the hall, and is the nearest frontier.
+double to_the_right(double distance_scale, int steps) {
+  Polygon hall;
+  hall.outer = {{0, 0}, {20, 0}, {20, 6}, {0, 6}};
+  hall.holes = {{{2.4, 4.8}, {2.4, 5.0}, {2.7, 5.0}, {2.7, 4.8}}};
+  const std::vector<Point2> start{{3.0, 3.0}};
+  DisCoverage explore(hall, start, {.range = 4.0, .cell = 0.1, .distance_scale = distance_scale});
+  for (int k = 0; k < steps; ++k) explore.step();
+  return explore.robots()[0].x() - start[0].x();
+}
+}  // namespace
+
+TEST(a_robot_heads_for_where_most_frontier_lies_and_not_for_the_nearest) {
+  CHECK(to_the_right(DisCoverageOptions{}.distance_scale, 6) > 1.0);
+  // The less that far frontier counts, the more it is a matter of the nearest.
+  CHECK(to_the_right(0.02, 6) < 0.6);
+}

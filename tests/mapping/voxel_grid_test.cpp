@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <type_traits>
+#include <utility>
 
 #include <surfleet/core/random.hpp>
 
@@ -151,4 +153,47 @@ TEST(changes_are_told_once_and_in_order) {
     CHECK(grid.changed_since(cursors[c]) == order);
   }
   CHECK(grid.changed_since(grid.revision()).empty());
+}
+
+static_assert(std::is_copy_constructible_v<VoxelGrid<int>> &&
+              std::is_copy_assignable_v<VoxelGrid<int>>);
+static_assert(std::is_nothrow_move_constructible_v<VoxelGrid<int>>);
+
+TEST(a_copied_grid_is_its_own) {
+  VoxelGrid<int> grid({.voxel_size = 0.25});
+  Random random(2);
+  const auto draw = [&] { return static_cast<int>(random.uniform(-40.0, 40.0)); };
+  for (int i = 0; i < 500; ++i) {
+    const VoxelIndex v(draw(), draw(), draw());
+    grid.ensure(v) = i + 1;
+    grid.mark_changed(grid.find_slot(VoxelGrid<int>::block_of(v)));
+  }
+  const std::uint64_t cursor = grid.revision() / 2;
+  VoxelGrid<int> copy(grid), assigned({.voxel_size = 9.0});
+  assigned.ensure({1, 2, 3}) = 5;
+  assigned = grid;
+  for (VoxelGrid<int>* other : {&copy, &assigned}) {
+    CHECK(other->voxel_size() == 0.25 && other->block_count() == grid.block_count());
+    CHECK(other->revision() == grid.revision());
+    CHECK(other->changed_since(cursor) == grid.changed_since(cursor));
+    for (std::uint32_t s = 0; s < grid.block_count(); ++s) {
+      CHECK(other->block(s).index == grid.block(s).index);
+      CHECK(other->block(s).voxels == grid.block(s).voxels);
+      CHECK(&other->block(s) != &grid.block(s));
+      CHECK(other->find_slot(grid.block(s).index) == s);
+    }
+  }
+  // What happens to one does not happen to the other.
+  const VoxelIndex at = grid.block(0).origin();
+  const int before = grid.block(0).voxels[0];
+  copy.ensure(at) = -7;
+  copy.ensure({1000, 1000, 1000}) = 1;
+  copy.mark_changed(0);
+  CHECK(grid.block(0).voxels[0] == before && grid.find({1000, 1000, 1000}) == nullptr);
+  CHECK(grid.changed_since(grid.revision()).empty() && copy.revision() == grid.revision() + 1);
+  const VoxelGrid<int>& self = copy;
+  copy = self;
+  CHECK(*copy.find(at) == -7);
+  const VoxelGrid<int> moved(std::move(copy));
+  CHECK(*moved.find(at) == -7);
 }

@@ -17,6 +17,7 @@
 #include <surfleet/allocation/cost_matrix.hpp>
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/error.hpp>
+#include <surfleet/core/parse_number.hpp>
 #include <surfleet/core/types.hpp>
 
 namespace surfleet {
@@ -114,7 +115,8 @@ class TsplibParser {
     if (word.empty()) fail("a colon without a keyword");
     key = word;
     skip_blanks(false);
-    if (at_ < text_.size() && text_[at_] == ':') ++at_;
+    colon_ = at_ < text_.size() && text_[at_] == ':';
+    if (colon_) ++at_;
     return true;
   }
   /// The rest of the line.
@@ -127,15 +129,11 @@ class TsplibParser {
     return std::string(v);
   }
   double number(const char* what) {
-    std::string_view t = token();
+    const std::string_view t = token();
     if (t.empty()) fail(std::string("the file ends where ") + what + " should follow");
-    const std::string_view whole = t;
-    if (t.front() == '+') t.remove_prefix(1);
-    double x = 0.0;
-    const auto [end, error] = std::from_chars(t.data(), t.data() + t.size(), x);
-    if (error != std::errc{} || end != t.data() + t.size() || !std::isfinite(x))
-      fail(shown(whole) + " is no " + what + "; expected a finite number");
-    return x;
+    const auto x = parse_number<double>(t);
+    if (!x || !std::isfinite(*x)) fail(shown(t) + " is no " + what + "; expected a finite number");
+    return *x;
   }
   void set(const std::string& key, const std::string& v) {
     const std::string first = v.substr(0, v.find_first_of(" \t("));
@@ -168,8 +166,11 @@ class TsplibParser {
     } else if (key == "NODE_COORD_TYPE") {
       if (first != "TWOD_COORDS" && first != "NO_COORDS")
         fail("NODE_COORD_TYPE " + shown(v) + " is not supported; expected TWOD_COORDS");
-    } else if (key != "DISPLAY_DATA_TYPE" && key != "CAPACITY" && key != "EDGE_DATA_FORMAT") {
-      fail("unknown keyword " + shown(key) + "; expected one of TSPLIB's");
+    } else if (!colon_ && key != "DISPLAY_DATA_TYPE" && key != "CAPACITY" &&
+               key != "EDGE_DATA_FORMAT") {
+      // Files carry keywords of their makers' own, which say nothing of the costs: with a colon
+      // they are passed over, without they are no TSPLIB.
+      fail("unknown keyword " + shown(key) + "; expected one of TSPLIB's, or a colon after it");
     }
   }
   void need_dimension(const std::string& section) const {
@@ -270,6 +271,7 @@ class TsplibParser {
   int max_dimension_;
   std::size_t at_ = 0;
   int line_ = 1;
+  bool colon_ = false;  // after the last keyword
   std::string name_, comment_, weight_type_, weight_format_;
   bool asymmetric_ = false, has_weights_ = false;
   int dimension_ = 0;

@@ -133,6 +133,17 @@ inline std::vector<std::int32_t> spread_sites(const SurfaceGraph& graph,
   }
   return chosen;
 }
+/// The links of a surface, those that lead onto `open` ground `open_cost` times as long.
+inline Graph weighted_ground(const SurfaceGraph& graph, const std::vector<std::uint8_t>& open,
+                             double open_cost) {
+  std::vector<std::pair<std::int32_t, Arc>> links;
+  for (std::size_t t = 0; t < graph.size(); ++t)
+    for (const Arc& arc : graph.links.arcs(static_cast<std::int32_t>(t)))
+      links.push_back(
+          {static_cast<std::int32_t>(t),
+           {arc.to, arc.length * (open[static_cast<std::size_t>(arc.to)] != 0 ? open_cost : 1.0)}});
+  return Graph(graph.size(), links);
+}
 }  // namespace detail
 
 /// Sweeps a whole surface with robots that start on `robots`, distinct triangles of `mesh`.
@@ -154,6 +165,8 @@ HybridSurfaceCoverage hybrid_area_coverage(const TriangleMesh& mesh,
   require(!robots.empty(), "robots: need at least one");
   require(robots.size() <= m, "robots: more than triangles; at most one a triangle");
   require(options.sweep_range > 0.0, "hybrid coverage: the sweep range must be positive");
+  require(options.unknown_cost >= 1.0 && std::isfinite(options.unknown_cost),
+          "hybrid coverage: expected an unknown cost of 1 or more");
   for (std::size_t i = 0; i < robots.size(); ++i) {
     require(robots[i] >= 0 && static_cast<std::size_t>(robots[i]) < m,
             "robots: a triangle that is not on the surface");
@@ -203,6 +216,7 @@ HybridSurfaceCoverage hybrid_area_coverage(const TriangleMesh& mesh,
     std::vector<std::int32_t> target(robots.size(), -1);
     std::vector<std::size_t> searching;
     std::vector<std::uint8_t> taken(m, 0);
+    const Graph ground = detail::weighted_ground(*graph, open, options.unknown_cost);
     for (std::size_t i = 0; i < robots.size(); ++i) {
       if (alive[i] == 0) continue;
       const auto t = static_cast<std::size_t>(robots[i]);
@@ -218,15 +232,6 @@ HybridSurfaceCoverage hybrid_area_coverage(const TriangleMesh& mesh,
       for (std::size_t t = 0; t < m; ++t)
         if (taken[t] != 0) free[t] = 0;
       const auto sites = detail::spread_sites(*graph, free, searching.size(), robots[searching[0]]);
-      // Ground weighs more where it was not swept.
-      std::vector<std::pair<std::int32_t, Arc>> weighted;
-      for (std::size_t t = 0; t < m; ++t)
-        for (const Arc& arc : graph->links.arcs(static_cast<std::int32_t>(t)))
-          weighted.push_back({static_cast<std::int32_t>(t),
-                              {arc.to, arc.length * (open[static_cast<std::size_t>(arc.to)] != 0
-                                                         ? options.unknown_cost
-                                                         : 1.0)}});
-      const Graph ground(m, weighted);
       struct Trip {
         double length;
         std::size_t robot, site;
@@ -272,12 +277,17 @@ HybridSurfaceCoverage hybrid_area_coverage(const TriangleMesh& mesh,
       if (regions.start[i] < 0) continue;
       const std::int32_t goal = regions.start[i];
       const Source source{robots[i], 0.0};
-      const auto way =
-          shortest_paths(graph->links, std::span<const Source>(&source, 1), NoHeuristic{},
-                         [&](std::int32_t t, double) { return t == goal; });
-      for (const std::int32_t t : way.path(goal))
+      const auto way = shortest_paths(ground, std::span<const Source>(&source, 1), NoHeuristic{},
+                                      [&](std::int32_t t, double) { return t == goal; });
+      const std::vector<std::int32_t> cells = way.path(goal);
+      for (const std::int32_t t : cells)
         iteration.transfers[i].push_back(graph->position[static_cast<std::size_t>(t)]);
-      iteration.transfer_length[i] = way.distance[static_cast<std::size_t>(goal)];
+      for (std::size_t k = 1; k < cells.size(); ++k)
+        for (const Arc& arc : graph->links.arcs(cells[k - 1]))
+          if (arc.to == cells[k]) {
+            iteration.transfer_length[i] += arc.length;
+            break;
+          }
       CoveringStrip strip =
           covering_strip(*shared, graph->links, regions.triangles(i), goal, options.strip);
       const bool fails =

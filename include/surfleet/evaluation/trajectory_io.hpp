@@ -16,6 +16,7 @@
 
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/error.hpp>
+#include <surfleet/core/parse_number.hpp>
 #include <surfleet/core/types.hpp>
 
 namespace surfleet {
@@ -74,12 +75,12 @@ inline Trajectory parse_tum(std::string_view text, const std::string& name = "tr
     if (line.empty() || line.front() == '#') continue;
     std::array<double, 8> row{};
     for (double& value : row) {
-      const auto [rest, ec] = std::from_chars(line.data(), line.data() + line.size(), value);
-      const bool ended =
-          rest == line.data() + line.size() || *rest == ' ' || *rest == '\t' || *rest == '\r';
-      if (ec != std::errc() || !ended || !std::isfinite(value))
+      const auto used = parse_prefix(line, value);
+      const bool ended = used && (*used == line.size() || line[*used] == ' ' ||
+                                  line[*used] == '\t' || line[*used] == '\r');
+      if (!ended || !std::isfinite(value))
         refuse("expected eight finite numbers: time tx ty tz qx qy qz qw");
-      line.remove_prefix(static_cast<std::size_t>(rest - line.data()));
+      line.remove_prefix(*used);
       skip_blanks();
     }
     if (!line.empty()) refuse("expected no more than eight numbers");

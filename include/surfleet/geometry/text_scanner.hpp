@@ -3,11 +3,11 @@
 #pragma once
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <optional>
 #include <string_view>
-#include <system_error>
+
+#include <surfleet/core/parse_number.hpp>
 
 namespace surfleet {
 /// Walks through a text by words or by lines. Never reads past the end; keeps the line number for
@@ -51,14 +51,4 @@ class TextScanner {
   std::size_t at_ = 0;
   std::size_t line_ = 0;
 };
-
-/// The whole word as a number, whatever the locale; nothing if it is not one.
-template <typename Number>
-std::optional<Number> parse_number(std::string_view word) {
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-  Number value{};
-  const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (status != std::errc{} || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
 }  // namespace surfleet

@@ -82,6 +82,24 @@ class VoxelGrid {
     table_.resize(64);
   }
 
+  /// A copy has its own blocks, in the same slots, and the same account of changes. O(blocks).
+  VoxelGrid(const VoxelGrid& other)
+      : options_(other.options_),
+        inverse_size_(other.inverse_size_),
+        table_(other.table_),
+        log_(other.log_),
+        revision_(other.revision_) {
+    blocks_.reserve(other.blocks_.size());
+    for (const auto& b : other.blocks_) blocks_.push_back(std::make_unique<Block>(*b));
+  }
+  VoxelGrid& operator=(const VoxelGrid& other) {
+    if (this != &other) *this = VoxelGrid(other);
+    return *this;
+  }
+  VoxelGrid(VoxelGrid&&) noexcept = default;
+  VoxelGrid& operator=(VoxelGrid&&) noexcept = default;
+  ~VoxelGrid() = default;
+
   double voxel_size() const { return options_.voxel_size; }
   std::size_t block_count() const { return blocks_.size(); }
   bool empty() const { return blocks_.empty(); }
