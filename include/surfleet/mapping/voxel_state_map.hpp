@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -19,18 +20,31 @@ struct VoxelStateOptions {
   double occupied_below = 0.0;
 };
 
-/// Voxels of a block in which rays ended, but too few to know of surface there: offsets, ascending.
-struct Glimpses {
-  std::vector<std::uint16_t> voxels;
-  std::size_t memory_bytes() const { return voxels.capacity() * sizeof(voxels[0]); }
-  bool operator==(const Glimpses&) const = default;
+/// What the hits of a block say beside the states of its voxels. Offsets, ascending.
+struct HitStates {
+  /// From which sides the surface in a voxel is known: bit 2 · axis, plus 1 where it is negative,
+  /// for each axis direction that a known hit's normal has a fair part of.
+  struct Sides {
+    std::uint16_t voxel = 0;
+    std::uint8_t mask = 0;
+    bool operator==(const Sides&) const = default;
+  };
+  std::vector<Sides> known;
+  /// Voxels in which rays ended, but too few to know of surface there.
+  std::vector<std::uint16_t> glimpses;
+
+  bool empty() const { return known.empty() && glimpses.empty(); }
+  std::size_t memory_bytes() const {
+    return known.capacity() * sizeof(known[0]) + glimpses.capacity() * sizeof(glimpses[0]);
+  }
+  bool operator==(const HitStates&) const = default;
 };
 
 /// What a block of a TSDF map says of its voxels.
 struct BlockStates {
   BlockIndex index = BlockIndex::Zero();
   std::array<VoxelState, TsdfMap::kBlockVoxels> voxels{};
-  Glimpses layer;
+  HitStates layer;
 };
 
 /// The states of a block's voxels. Where rays ended often enough and did not pass since, a voxel is
@@ -38,6 +52,7 @@ struct BlockStates {
 /// Where they ended less often, down to a sixteenth of that, it is a glimpse.
 inline BlockStates block_states(const TsdfMap::Block& block, const VoxelStateOptions& options) {
   constexpr double kGlimpse = 1.0 / 16.0;
+  constexpr double kFairPart = 0.3;  // of a unit normal
   const auto threshold = static_cast<float>(options.known_weight);
   const auto surface = static_cast<float>(options.occupied_below);
   BlockStates states;
@@ -46,14 +61,25 @@ inline BlockStates block_states(const TsdfMap::Block& block, const VoxelStateOpt
     const TsdfVoxel& v = block.voxels[i];
     states.voxels[i] = voxel_state({v.distance - surface, v.weight}, threshold);
   }
-  for (const SurfaceHit& hit : block.layer.hits())
-    if (hit.is_solid(options.known_weight)) states.voxels[hit.voxel()] = VoxelState::occupied;
   for (const SurfaceHit& hit : block.layer.hits()) {
-    const std::size_t v = hit.voxel();
-    auto& seen = states.layer.voxels;
+    if (!hit.is_solid(options.known_weight)) continue;
+    states.voxels[hit.voxel()] = VoxelState::occupied;
+    const Eigen::Vector3d n = hit.mean_normal();
+    std::uint8_t mask = 0;
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(n[k]) > kFairPart)
+        mask = static_cast<std::uint8_t>(mask | 1U << (2 * k + (n[k] < 0.0 ? 1 : 0)));
+    const auto v = static_cast<std::uint16_t>(hit.voxel());
+    auto& known = states.layer.known;
+    if (known.empty() || known.back().voxel != v) known.push_back({v, 0});
+    known.back().mask = static_cast<std::uint8_t>(known.back().mask | mask);
+  }
+  for (const SurfaceHit& hit : block.layer.hits()) {
+    const auto v = static_cast<std::uint16_t>(hit.voxel());
+    auto& seen = states.layer.glimpses;
     if (hit.is_solid(kGlimpse * options.known_weight) && states.voxels[v] != VoxelState::occupied &&
         (seen.empty() || seen.back() != v))
-      seen.push_back(static_cast<std::uint16_t>(v));
+      seen.push_back(v);
   }
   return states;
 }
@@ -65,7 +91,7 @@ inline BlockStates block_states(const TsdfMap::Block& block, const VoxelStateOpt
 /// change than the source had.
 class VoxelStateMap {
  public:
-  using Grid = VoxelGrid<VoxelState, TsdfMap::kBlockSide, Glimpses>;
+  using Grid = VoxelGrid<VoxelState, TsdfMap::kBlockSide, HitStates>;
 
   explicit VoxelStateMap(const TsdfMap& map, VoxelStateOptions options = {})
       : options_(options), grid_({.voxel_size = map.voxel_size()}) {
@@ -80,7 +106,7 @@ class VoxelStateMap {
       BlockStates states = block_states(map.block(slot), options_);
       std::uint32_t own = grid_.find_slot(states.index);
       if (own == Grid::kNone) {
-        if (states.layer.voxels.empty() &&
+        if (states.layer.empty() &&
             std::all_of(states.voxels.begin(), states.voxels.end(),
                         [](VoxelState s) { return s == VoxelState::unknown; }))
           continue;

@@ -123,9 +123,11 @@ struct IncompleteSurfaceChange {
 /// n_v = Σ_c w'(c) (c − v) / ‖c − v‖ over `Direction`, w' negative where c is occupied, normalised;
 /// zero where the sum vanishes.
 ///
-/// Where a map keeps glimpses (`Glimpses`) those with no occupied voxel among their 26 neighbours
-/// are elements, too: a wire or a far sheet, met by few rays, that no border leads to. Such a voxel
-/// is its own unknown neighbour, and has no direction.
+/// Where a map keeps hits (`HitStates`) there are two more kinds of elements, which are their own
+/// unknown neighbour. Glimpses with no occupied voxel among their 26 neighbours: a wire or a far
+/// sheet, met by few rays, that no border leads to. And empty voxels beside surface that was met,
+/// but never on their side, not even by a neighbour's ray: the far side of a sheet, known to be
+/// there from the near one.
 ///
 /// Follows one map for life: `update` costs O(blocks changed since the last call), whatever the
 /// map's size, and gives what a fresh extraction would. A bit a state and voxel is kept, 0.25 KB a
@@ -199,7 +201,8 @@ class BasicIncompleteSurface {
   using Bits = std::array<std::uint8_t, 64>;
   struct Record {
     Bits empty{}, occupied{}, glimpsed{}, incomplete{};
-    std::uint8_t any_empty = 0, any_occupied = 0, any_glimpsed = 0;
+    std::array<Bits, 6> sides{};  ///< Voxels whose surface is known from each axis direction.
+    std::uint8_t any_empty = 0, any_occupied = 0, any_glimpsed = 0, any_hit = 0;
     std::uint64_t pass = 0;  ///< Of the last update that listed it as dirty.
     std::vector<IncompleteElement> elements;
   };
@@ -253,11 +256,19 @@ class BasicIncompleteSurface {
   template <typename SourceBlock, typename Test>
   void read(const SourceBlock& block, const Test& state) {
     Bits empty, occupied, glimpsed{};
-    std::uint8_t any_empty = 0, any_occupied = 0, any_glimpsed = 0;
-    if constexpr (requires { block.layer.voxels; }) {
-      for (const std::uint16_t v : block.layer.voxels)
-        glimpsed[v / 8] = static_cast<std::uint8_t>(glimpsed[v / 8] | 1U << (v % 8));
-      any_glimpsed = block.layer.voxels.empty() ? 0 : 1;
+    std::array<Bits, 6> sides{};
+    std::uint8_t any_empty = 0, any_occupied = 0, any_glimpsed = 0, any_hit = 0;
+    if constexpr (requires { block.layer.glimpses; }) {
+      const auto set = [](Bits& bits, std::uint16_t v) {
+        bits[v / 8] = static_cast<std::uint8_t>(bits[v / 8] | 1U << (v % 8));
+      };
+      for (const std::uint16_t v : block.layer.glimpses) set(glimpsed, v);
+      for (const auto& [v, mask] : block.layer.known) {
+        for (std::size_t k = 0; k < 6; ++k)
+          if ((mask >> k & 1U) != 0) set(sides[k], v);
+      }
+      any_glimpsed = block.layer.glimpses.empty() ? 0 : 1;
+      any_hit = block.layer.known.empty() ? 0 : 1;
     }
     for (std::size_t row = 0; row < 64; ++row) {
       unsigned e = 0, o = 0;
@@ -281,9 +292,11 @@ class BasicIncompleteSurface {
     for (int z = 0; z < 8; ++z) {
       for (int y = 0; y < 8; ++y) {
         const std::size_t row = row_of(y, z);
-        const auto difference = static_cast<std::uint8_t>((empty[row] ^ record.empty[row]) |
-                                                          (occupied[row] ^ record.occupied[row]) |
-                                                          (glimpsed[row] ^ record.glimpsed[row]));
+        unsigned changes = (empty[row] ^ record.empty[row]) |
+                           (occupied[row] ^ record.occupied[row]) |
+                           (glimpsed[row] ^ record.glimpsed[row]);
+        for (std::size_t k = 0; k < 6; ++k) changes |= sides[k][row] ^ record.sides[k][row];
+        const auto difference = static_cast<std::uint8_t>(changes);
         if (difference == 0) continue;
         for (int dz = z == 0 ? -1 : 0; dz <= (z == 7 ? 1 : 0); ++dz)
           for (int dy = y == 0 ? -1 : 0; dy <= (y == 7 ? 1 : 0); ++dy)
@@ -295,14 +308,16 @@ class BasicIncompleteSurface {
     record.occupied = occupied;
     record.glimpsed = glimpsed;
     record.any_glimpsed = any_glimpsed;
+    record.any_hit = any_hit;
+    record.sides = sides;
     record.any_empty = any_empty;
     record.any_occupied = any_occupied;
-    std::uint32_t sides = 0;
+    std::uint32_t reach = 0;
     for (int i = 0; i < 9; ++i) {
       const unsigned bits = changed[static_cast<std::size_t>(i)];
-      sides |= ((bits & 1U) | (bits != 0 ? 2U : 0U) | (bits >> 7 << 2)) << (3 * i);
+      reach |= ((bits & 1U) | (bits != 0 ? 2U : 0U) | (bits >> 7 << 2)) << (3 * i);
     }
-    reached_.emplace_back(block.index, sides);
+    reached_.emplace_back(block.index, reach);
   }
 
   /// For every voxel of a row, whether one of its neighbours has its bit set.
@@ -325,18 +340,26 @@ class BasicIncompleteSurface {
     Record& record = block.voxels[0];
     Bits incomplete{};
     PaddedBits occupied, unknown;
-    bool candidates = record.any_empty != 0;
+    std::array<PaddedBits, 6> sides;
+    bool candidates = record.any_empty != 0, with_hits = false;
     if (candidates || record.any_glimpsed != 0) {
       std::array<const Record*, 27> around;
-      unsigned any_occupied = 0;
+      unsigned any_occupied = 0, any_hit = 0;
       for (int i = 0; i < 27; ++i) {
         const Record* r =
             i == 13 ? &record : records_.find(block.index + detail::neighbor_offset(i));
         around[static_cast<std::size_t>(i)] = r == nullptr ? &kUnknown : r;
         any_occupied |= r == nullptr ? 0U : r->any_occupied;
+        any_hit |= r == nullptr ? 0U : r->any_hit;
       }
       candidates = candidates && any_occupied != 0;
       if (candidates || record.any_glimpsed != 0) pad(around, occupied, unknown);
+      with_hits = candidates && any_hit != 0;
+      if (with_hits) {
+        for (std::size_t k = 0; k < 6; ++k)
+          pad(
+              around, [k](const Record& r) -> const Bits& { return r.sides[k]; }, sides[k]);
+      }
     }
     record.elements.clear();
     const auto add = [&](int x, int y, int z, std::uint32_t unknown_neighbors) {
@@ -353,12 +376,12 @@ class BasicIncompleteSurface {
     for (int z = 0; (candidates || record.any_glimpsed != 0) && z < 8; ++z) {
       for (int y = 0; y < 8; ++y) {
         const std::size_t row = row_of(y, z);
-        unsigned found = record.empty[row] & near_row<Occupied>(occupied, y, z);
-        if (found != 0) found &= near_row<Unknown>(unknown, y, z);
-        const unsigned alone =
-            record.glimpsed[row] != 0
-                ? record.glimpsed[row] & ~unsigned{near_row<Neighborhood26>(occupied, y, z)}
-                : 0U;
+        const unsigned near = record.empty[row] & near_row<Occupied>(occupied, y, z);
+        const unsigned found = near != 0 ? near & near_row<Unknown>(unknown, y, z) : 0U;
+        unsigned alone = 0;  // by itself, without an unknown neighbour
+        if (record.glimpsed[row] != 0)
+          alone = record.glimpsed[row] & ~unsigned{near_row<Neighborhood26>(occupied, y, z)};
+        if (with_hits && near != 0) alone |= unmet(sides, record.empty[row], y, z) & ~found;
         for (unsigned bits = found | alone; bits != 0; bits &= bits - 1) {
           const int x = std::countr_zero(bits);
           add(x, y, z, (alone >> x & 1U) != 0 ? kSelf : neighbors_in(unknown, x, y, z));
@@ -373,6 +396,43 @@ class BasicIncompleteSurface {
     record.incomplete = incomplete;
   }
 
+  /// The empty voxels of a row that have beside them, along an axis, a voxel with surface that is
+  /// known from the opposite side, while in and around them no hit is known on their own. Rims do
+  /// not count: what a rim faces, no side of the sheet is opposite to.
+  static unsigned unmet(const std::array<PaddedBits, 6>& sides, unsigned empty, int y, int z) {
+    unsigned found = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int sign : {1, -1}) {
+        const int dx = axis == 0 ? -sign : 0, dy = axis == 1 ? -sign : 0,
+                  dz = axis == 2 ? -sign : 0;
+        const auto own = static_cast<std::size_t>(2 * axis + (sign < 0 ? 1 : 0));
+        const unsigned row = sides[own ^ 1][padded_row(y + dy, z + dz)];
+        const unsigned beside = empty & (dx < 0 ? row : dx > 0 ? row >> 2 : row >> 1);
+        if ((beside & 0xffU) == 0) continue;
+        const PaddedBits& side = sides[own];
+        const unsigned met =
+            near_row<Neighborhood26>(side, y, z) | (side[padded_row(y, z)] >> 1 & 0xffU);
+        found |= beside & ~met;
+      }
+    return found & 0xffU;
+  }
+
+  /// One kind of bits of a block with those one voxel around it.
+  template <typename BitsOf>
+  static void pad(const std::array<const Record*, 27>& around, BitsOf&& bits_of, PaddedBits& bits) {
+    for (int z = -1; z <= 8; ++z) {
+      const int dz = z < 0 ? -1 : z > 7 ? 1 : 0;
+      for (int y = -1; y <= 8; ++y) {
+        const int dy = y < 0 ? -1 : y > 7 ? 1 : 0;
+        const Record* const* three = &around[static_cast<std::size_t>(neighbor_slot(-1, dy, dz))];
+        const std::size_t row = row_of(y & 7, z & 7);
+        const unsigned left = bits_of(*three[0])[row], middle = bits_of(*three[1])[row],
+                       right = bits_of(*three[2])[row];
+        bits[padded_row(y, z)] =
+            static_cast<std::uint16_t>((left >> 7) | (middle << 1) | ((right & 1U) << 9));
+      }
+    }
+  }
   static void pad(const std::array<const Record*, 27>& around, PaddedBits& occupied,
                   PaddedBits& unknown) {
     for (int z = -1; z <= 8; ++z) {
