@@ -15,6 +15,10 @@ for planner in surfleet tsga nnb nnb-exclusive tsga-async tsga-improved makespan
   diff <(strip ${planner}1/metrics.json) <(strip ${planner}2/metrics.json)
   grep -q '"complete": true' ${planner}1/metrics.json
   grep -q '"collisions": 0' ${planner}1/metrics.json
+  # Standing still shows less than this.
+  awk -v name=$planner '/"surface_coverage"/ { c = $2 + 0 } /"total_path_length_m"/ { l = $2 + 0 }
+    END { if (c < 0.9 || l < 15) { print name, "covers", c, "and flies", l; exit 1 } }' \
+    ${planner}1/metrics.json
   if grep -q not_attempted ${planner}1/metrics.json; then
     echo "$planner leaves elements without a reason"
     exit 1

@@ -36,6 +36,22 @@ static_assert(FleetPlanner<WithSpaceLooks<NoPlan>>);
 /// Compiled once for all planners; `NoPlan` flies a mission of its own type.
 using AnyMission = Mission<AnyPlanner, World>;
 
+/// The share of the box's surface that is mapped within a voxel.
+double mapped_share(const World& world, const TsdfMap& map) {
+  const Bvh mapped(extract_mesh(map, {.min_weight = 1e-6F}));
+  double near = 0.0, all = 0.0;
+  for (std::size_t t = 0; t < world.mesh.triangles.size(); ++t)
+    for (double u = 0.05; u < 1.0; u += 0.1)
+      for (double v = 0.05; u + v < 1.0; v += 0.1) {
+        const Point3 p = world.mesh.corner(t, 0) * (1.0 - u - v) + world.mesh.corner(t, 1) * u +
+                         world.mesh.corner(t, 2) * v;
+        all += 1.0;
+        near += mapped.distance(p) < 0.2 ? 1.0 : 0.0;
+      }
+  return near / all;
+}
+
+/// What every planner is held to: the box is reconstructed, by every robot, and nothing is hit.
 MissionResult fly(int robots, const AnyPlanner& planner, int threads, double least,
                   TsdfMap* map = nullptr) {
   World world;
@@ -52,19 +68,11 @@ MissionResult fly(int robots, const AnyPlanner& planner, int threads, double lea
       for (std::size_t s = 0; s < r; ++s)
         CHECK((result.trajectories[s][k].configuration.position - p).norm() > 0.8);
     }
-  // The share of the box's surface that is mapped within a voxel.
-  const Bvh mapped(extract_mesh(mission.map(), {.min_weight = 1e-6F}));
-  double near = 0.0, all = 0.0;
-  for (std::size_t t = 0; t < world.mesh.triangles.size(); ++t)
-    for (double u = 0.05; u < 1.0; u += 0.1)
-      for (double v = 0.05; u + v < 1.0; v += 0.1) {
-        const Point3 p = world.mesh.corner(t, 0) * (1.0 - u - v) + world.mesh.corner(t, 1) * u +
-                         world.mesh.corner(t, 2) * v;
-        all += 1.0;
-        near += mapped.distance(p) < 0.2 ? 1.0 : 0.0;
-      }
-  CHECK(near / all > least);
-  CHECK(result.complete);
+  CHECK(mapped_share(world, mission.map()) > least);
+  CHECK(result.complete && result.plans > 0);
+  for (const double length : result.path_length) CHECK(length > 2.0);
+  // Nothing is left that nobody tried.
+  CHECK(result.reasons.count(LeftReason::not_attempted) == 0);
   std::size_t reasons = 0;
   for (const auto& [reason, count] : result.reasons) reasons += count;
   CHECK(reasons == result.remaining);
@@ -106,12 +114,17 @@ TEST(threads_change_nothing) {
   });
 }
 TEST(a_planner_without_plans_ends_the_mission_with_reasons) {
-  World world;
-  Mission<NoPlan, World> mission(box_world::options(world), world, box_world::starts(1));
-  const MissionResult result = mission.run();
-  CHECK(result.complete);
-  CHECK(result.remaining > 0);
-  CHECK(result.reasons.at(LeftReason::not_attempted) == result.remaining);
+  for (const int robots : {1, 3}) {
+    World world;
+    Mission<NoPlan, World> mission(box_world::options(world), world, box_world::starts(robots));
+    const MissionResult result = mission.run();
+    CHECK(result.complete);
+    CHECK(result.remaining > 0);
+    CHECK(result.reasons.at(LeftReason::not_attempted) == result.remaining);
+    // And it meets nothing of what the others are held to.
+    CHECK(mapped_share(world, mission.map()) < 0.7);
+    for (const double length : result.path_length) CHECK(length == 0.0);
+  }
 }
 TEST(a_planner_that_answers_amiss_is_refused) {
   World world;
@@ -147,8 +160,9 @@ TEST(a_stop_that_may_not_last_as_long_as_it_should_is_a_look_in_vain) {
   Mission<AnyPlanner, Glass> mission(options, world, box_world::starts(1),
                                      TsgaPlanner(tour_options()));
   const MissionResult result = mission.run();
-  CHECK(result.complete);
+  CHECK(result.complete && result.path_length[0] > 2.0);
   CHECK(result.reasons.count(LeftReason::not_attempted) == 0);
+  CHECK(result.reasons.size() > 0);  // the glass, which was looked at
 }
 TEST(looks_at_space_widen_what_is_known_and_come_to_an_end) {
   World world;
