@@ -33,6 +33,7 @@ mkdir folder.ply
 for file in missing.ply truncated.ply faceless.off nan.obj range.obj garbage.stl empty.ply folder.ply \
     mesh.xyz; do
   refused drone_inspection --scene "$file" --out out
+  refused plan_coverage_tour "$file" --out out
   refused evaluate_reconstruction "$file" "$file" --out out
   refused surface_coverage --scene "$file" --out out
 done
@@ -68,6 +69,13 @@ printf 'v 0 0 0\nv 20000 0 0\nv 20000 20000 0\nv 0 20000 10\nf 1 2 3\nf 1 3 4\n'
 refused drone_inspection --scene county.obj --out out
 refused drone_inspection --scene house --out stderr.txt
 refused drone_inspection --scene house --out /proc/out
+refused plan_coverage_tour missing.ply --scene house --out out
+refused plan_coverage_tour --scene house --coverage 1.5 --out out
+refused plan_coverage_tour --scene house --standoff 0.5 --out out
+refused plan_coverage_tour --scene house --spacing 0 --out out
+refused plan_coverage_tour --scene house --density -1 --out out
+refused plan_coverage_tour --scene house --planner tsga --out out
+refused plan_coverage_tour --scene house --start 0 0 1 --out out
 refused drone_inspection_trials --scene house --planners magic --out out
 refused drone_inspection_trials --scene house --trials 0 --out out
 
