@@ -30,13 +30,17 @@ int run(int argc, char** argv) {
       "to --out.\nExit status: 0 done, 2 input refused, 3 the images show less than --coverage.");
   std::string mesh, out = "out/plan_coverage_tour";
   CoverageTourOptions plan;
-  std::optional<double> standoff, density;
+  std::optional<double> standoff, density, hold;
   app.add("MESH", mesh, "the structure (.ply .obj .stl .off) [m]; else --scene");
   InspectionOptions options(app, InspectionProgram::tour);
   app.add("--coverage", plan.coverage, "share to be seen of what can be seen");
   app.add("--standoff", standoff, "depth up to which a view counts [m]; default all of --range");
   app.add("--spacing", plan.spacing, "between candidate places [m]").positive();
   app.add("--stop-cost", plan.stop_cost, "what a viewpoint costs beside its way [m]").positive();
+  app.add(
+      "--hold", hold,
+      "time spent at a viewpoint [s]; default as long as it takes to know surface at the farthest "
+      "depth from there alone");
   app.add("--density", density, "samples a square metre; default 0.18 a square of a voxel");
   app.add("--out", out, "folder for the results");
   app.add_config_file();
@@ -52,6 +56,8 @@ int run(int argc, char** argv) {
     require(*standoff > s.range[0], "--standoff: expected more than the nearest depth of --range");
     plan.max_range = *standoff;
   }
+  const double farthest = std::min(s.range[1], standoff.value_or(s.range[1]));
+  if (hold) require(*hold >= 0.0, "--hold: expected 0 or more seconds");
   if (density) require(*density > 0.0, "--density: expected a positive number");
   InspectionSite site(open_scene(s), s);
   const Configuration start = site.starts(s, 1).front();
@@ -69,7 +75,7 @@ int run(int argc, char** argv) {
     CoverageTourOptions o = plan;
     o.coverage = goal;
     tour = planner.plan(o);
-    flown = fly_known_tour(tour, s, site, start);
+    flown = fly_known_tour(tour, s, site, start, hold.value_or(hold_for(s, farthest)));
     if (flown.evaluation.metrics.surface_coverage >= plan.coverage) break;
   }
   const std::vector<std::vector<Point3>> paths{tour.path};

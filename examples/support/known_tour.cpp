@@ -35,7 +35,7 @@ CoverageTour KnownSitePlanner::plan(const CoverageTourOptions& options) {
 }
 
 FlownTour fly_known_tour(const CoverageTour& tour, const InspectionSettings& s,
-                         const InspectionSite& site, const Configuration& start) {
+                         const InspectionSite& site, const Configuration& start, double hold) {
   const MissionOptions mission = mission_options(s, site, {start});
   const DroneWorld<EmbreeRayCaster> world = site.world(s);
   TsdfIntegrator<DropOffWeight<>> integrate = mission_integrator(mission);
@@ -44,7 +44,8 @@ FlownTour fly_known_tour(const CoverageTour& tour, const InspectionSettings& s,
   flown.images = fly_tour(tour, start,
                           {.speed = mission.limits.speed,
                            .yaw_rate = mission.limits.yaw_rate,
-                           .image_period = mission.image_period});
+                           .image_period = mission.image_period,
+                           .hold = hold});
   std::uint64_t shot = 0;
   for (const auto& [time, q] : flown.images)
     integrate(world.capture(0, shot++, std::span(&q, 1)), mission.camera,

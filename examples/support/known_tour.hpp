@@ -44,7 +44,13 @@ struct FlownTour {
   TriangleMesh reconstruction;
   ReconstructionEvaluation evaluation;  ///< By the yardstick of missions.
 };
-/// Flies `tour` in simulation at the nominal speed, with a mission's camera, noise, images and map.
+/// Flies `tour` in simulation at the nominal speed, with a mission's camera, noise, images and map,
+/// and a hold at every viewpoint [s].
 FlownTour fly_known_tour(const CoverageTour& tour, const InspectionSettings& s,
-                         const InspectionSite& site, const Configuration& start);
+                         const InspectionSite& site, const Configuration& start, double hold);
+/// How long images from one place take to make surface known that is `depth` away: weights are
+/// inverse squares of ranges, and W_th of them are needed.
+inline double hold_for(const InspectionSettings& s, double depth) {
+  return s.known_weight * depth * depth / s.rate;
+}
 }  // namespace surfleet::examples

@@ -25,7 +25,7 @@ awk -v c="$(value block1 surface_coverage)" -v h="$(value block1 collisions)" \
 # The start, then as many viewpoints as there are said to be, each where the tour passes by.
 [ "$(head -n 1 block1/viewpoints.csv)" = index,x_m,y_m,z_m,yaw_rad ]
 [ "$(($(wc -l <block1/viewpoints.csv) - 1))" = "$(value block1 viewpoints)" ]
-head -n 1 block1/tour.tum | grep -qE '^0(\.0)? 6 0 3 '
+sed -n 2p block1/tour.tum | grep -qE '^0(\.0)? 6 0 3 '
 tail -n +2 block1/viewpoints.csv | while IFS=, read -r _ x y z _; do
   awk -v x="$x" -v y="$y" -v z="$z" \
     '$2 == x + 0 && $3 == y + 0 && $4 == z + 0 { found = 1 } END { exit !found }' block1/tour.tum ||

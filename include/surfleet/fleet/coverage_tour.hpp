@@ -62,41 +62,46 @@ struct CoverageTour {
 struct TourFlightOptions {
   double speed = 0.6;          ///< [m/s]
   double yaw_rate = 0.8;       ///< [rad/s]
-  double image_period = 0.25;  ///< Between two images [s].
+  double image_period = 0.25;  ///< Longest time between two images [s].
+  double hold = 0.0;           ///< Time spent at every viewpoint, facing its heading [s].
 };
 
-/// Where images are taken on a tour, `image_period` apart, the first at `start` at time 0, one at
-/// every viewpoint at least: a body's pose for each, and the time in seconds. O(images).
+/// Where images are taken on a tour: a body's pose and its time in seconds for each. The first is
+/// at `start` at time 0; there is one at every corner of the path, so that straight lines between
+/// images are the path, and one at every viewpoint with its heading. O(images).
 inline std::vector<std::pair<double, Configuration>> fly_tour(
     const CoverageTour& tour, const Configuration& start, const TourFlightOptions& options = {}) {
-  require(options.speed > 0.0 && options.yaw_rate > 0.0 && options.image_period > 0.0,
-          "tour flight: expected a speed, yaw rate and period above 0");
+  require(options.speed > 0.0 && options.yaw_rate > 0.0 && options.image_period > 0.0 &&
+              options.hold >= 0.0,
+          "tour flight: expected a speed, yaw rate and period above 0 and a hold of 0 or more");
   std::vector<std::pair<double, Configuration>> images{{0.0, start}};
-  const double most = options.yaw_rate * options.image_period;
-  // One period later at `p`, turned towards `yaw`.
-  const auto next = [&](const Point3& p, double yaw) {
-    const auto& [time, last] = images.back();
+  // An image `dt` later at `p`, turned towards `yaw`.
+  const auto image = [&](const Point3& p, double yaw, double dt) {
+    const auto [time, last] = images.back();
+    const double most = options.yaw_rate * dt;
     const double turn = std::clamp(wrap_angle(yaw - last.yaw), -most, most);
-    images.push_back({time + options.image_period, {p, wrap_angle(last.yaw + turn)}});
+    images.push_back({time + dt, {p, wrap_angle(last.yaw + turn)}});
   };
   std::size_t stop = 0;
   // At a viewpoint: all that have this place are looked from, each with its heading.
   const auto look_around = [&](const Point3& at) {
-    for (; stop < tour.viewpoints.size() && tour.viewpoints[stop].position == at; ++stop) do
-        next(at, tour.viewpoints[stop].yaw);
-      while (std::abs(wrap_angle(images.back().second.yaw - tour.viewpoints[stop].yaw)) > 1e-9);
+    for (; stop < tour.viewpoints.size() && tour.viewpoints[stop].position == at; ++stop) {
+      const double yaw = tour.viewpoints[stop].yaw;
+      while (std::abs(wrap_angle(images.back().second.yaw - yaw)) > 1e-9)
+        image(at, yaw, options.image_period);
+      for (double held = 0.0; held < options.hold; held += options.image_period)
+        image(at, yaw, options.image_period);
+    }
   };
   if (!tour.path.empty()) look_around(tour.path.front());
-  double ahead = options.speed * options.image_period;  // to the next image [m]
   for (std::size_t k = 1; k < tour.path.size() && stop < tour.viewpoints.size(); ++k) {
     const Point3 &a = tour.path[k - 1], &b = tour.path[k];
-    const double length = (b - a).norm();
-    for (; ahead < length; ahead += options.speed * options.image_period)
-      next(a + (b - a) * (ahead / length), tour.viewpoints[stop].yaw);
-    ahead -= length;
-    if (tour.viewpoints[stop].position != b) continue;
+    const double time = (b - a).norm() / options.speed;
+    const double steps = std::ceil(time / options.image_period);
+    for (double i = 1.0; i <= steps; ++i)
+      image(i < steps ? Point3(a + (b - a) * (i / steps)) : b, tour.viewpoints[stop].yaw,
+            time / steps);
     look_around(b);
-    ahead = options.speed * options.image_period;
   }
   return images;
 }
