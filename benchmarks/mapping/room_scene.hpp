@@ -56,6 +56,27 @@ inline double distance(const Point3& p) {
   return std::min({inside, pillar, std::abs((p - kSphere).norm() - kRadius)});
 }
 
+/// What a point of a reconstruction is a sample of.
+enum class Part {
+  plane,   ///< A wall, the floor, the ceiling or a face of the pillar.
+  sphere,  ///< The sphere.
+  edge,    ///< One of the pillar's convex edges is within `reach`.
+  corner,  ///< Two planes that meet at a concave angle are.
+};
+inline Part part_at(const Point3& p, double reach) {
+  const double sphere = std::abs((p - kSphere).norm() - kRadius);
+  if (sphere <= distance(p)) return Part::sphere;
+  const auto to_sides = [&](const Box3& box, int axis) {
+    return std::min(std::abs(p[axis] - box.min()[axis]), std::abs(p[axis] - box.max()[axis]));
+  };
+  const bool at_pillar = kPillar.exteriorDistance(p) <= reach;
+  if (at_pillar && std::hypot(to_sides(kPillar, 0), to_sides(kPillar, 1)) <= reach)
+    return Part::edge;
+  int planes = at_pillar ? 1 : 0;
+  for (int axis = 0; axis < 3; ++axis) planes += to_sides(kRoom, axis) <= reach ? 1 : 0;
+  return planes > 1 ? Part::corner : Part::plane;
+}
+
 /// Ten poses of a body on a circle, looking outward and around.
 inline std::vector<Pose> body_poses(int count = 10) {
   std::vector<Pose> poses;

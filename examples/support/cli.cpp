@@ -120,7 +120,8 @@ void Options::parse_config(std::istream& file) {
   }
 }
 bool Options::was_given(const std::string& name) const {
-  return app_->get_option(name)->count() > 0;
+  const CLI::Option* option = app_->get_option_no_throw(name);
+  return option != nullptr && option->count() > 0;
 }
 std::map<std::string, std::vector<std::string>> Options::given() const {
   std::map<std::string, std::vector<std::string>> values;

@@ -115,7 +115,7 @@ class Options {
   void parse(int argc, const char* const* argv);
   /// Takes the options from the text of such a file alone. Throws `Error`.
   void parse_config(std::istream& file);
-  /// Whether the command line or the file gave this option.
+  /// Whether the command line or the file gave this option; false of one that was not declared.
   bool was_given(const std::string& name) const;
   /// What was given: values by option, without dashes, in order of the names.
   std::map<std::string, std::vector<std::string>> given() const;

@@ -104,9 +104,9 @@ struct InspectionSettings : ScenePreset {
   }
 };
 
-/// What a program runs with these settings: one inspection, or many of several planners and fleets,
-/// for which it has options of its own.
-enum class InspectionProgram { mission, trials };
+/// What a program runs with these settings: one inspection, many of several planners and fleets,
+/// for which it has options of its own, or a tour of what is known, without all that finds out.
+enum class InspectionProgram { mission, trials, tour };
 
 /// Declares the options that inspections share. The preset is applied before what is given by name
 /// overrides it: call `settle` after parsing.
@@ -137,14 +137,16 @@ class InspectionOptions {
     app.add("--fov", settings.fov, "horizontal and vertical field of view [deg]").expected(2);
     app.add("--image-width", settings.image_width, "columns of the depth image [px]");
     app.add("--rate", settings.rate, "images a second");
-    app.add("--standoff", settings.standoff, "delta_pose, distance of a view [m]");
+    const bool explores = program != InspectionProgram::tour;
+    if (explores) app.add("--standoff", settings.standoff, "delta_pose, distance of a view [m]");
     app.add("--speed", settings.limits.speed, "nominal speed [m/s]");
-    app.add("--acceleration", settings.limits.acceleration, "of a drone [m/s^2]");
+    if (explores) app.add("--acceleration", settings.limits.acceleration, "of a drone [m/s^2]");
     app.add("--yaw-rate", settings.limits.yaw_rate, "at which a drone turns [rad/s]");
     app.add("--radius", settings.radius, "of a drone's body [m]");
     app.add("--margin", settings.margin, "kept beyond the body [m]");
-    app.add("--unknown-margin", settings.unknown_margin,
-            "the same from what is unknown [m]; as a rule a voxel");
+    if (explores)
+      app.add("--unknown-margin", settings.unknown_margin,
+              "the same from what is unknown [m]; as a rule a voxel");
     app.add("--start", settings.start, "place of the first drone [m]").expected(3);
     app.add("--start-clearance", settings.start_clearance,
             "known to be free of the structure around every start [m]; default what the camera "
@@ -162,9 +164,10 @@ class InspectionOptions {
     app.add("--focal", settings.stereo.focal, "f of that noise [px]");
     app.add("--baseline", settings.stereo.baseline, "B of that noise [m]");
     app.add("--threads", settings.threads, "threads; the result is the same for any number");
-    app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
     app.add("--known-weight", settings.known_weight, "W_th: weight of a known voxel");
     app.add("--truncation", settings.truncation, "mu of the TSDF [m]; default three voxels");
+    if (!explores) return;
+    app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
     app.add("--merge-distance", settings.merge.distance,
             "epsilon: viewpoints this near are one, if they look alike [m] (all but surfleet, rate "
             "and tours)");

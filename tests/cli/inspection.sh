@@ -26,6 +26,17 @@ awk -v c="$(value surface_coverage)" -v h="$(value collisions)" -v k="$(value mi
   --out judged >judged.txt
 [ -s judged/metrics.json ]
 
+# Published figures stand beside missions of their own scene and settings alone.
+published='Beside the published figures'
+unpublished() { if grep -q "$published" "$1/report.html"; then echo "figures of another in $1"; exit 1; fi; }
+unpublished out1
+for preset in powerplant statue; do
+  "$bin/drone_inspection" --scene statue --preset $preset --voxel 0.6 --image-width 32 --robots 1 \
+    --max-time 1 --quiet --out $preset >statue.txt || [ $? = 3 ]
+done
+grep -q "$published" statue/report.html
+unpublished powerplant
+
 # The map that was left holds that surface.
 "$bin/evaluate_reconstruction" out1/reconstruction.ply out1/map.sfm --emax 0.05 --out of_map >map.txt
 grep -q '"surface_coverage": 1.0' of_map/metrics.json
@@ -39,6 +50,7 @@ status=0
 grep -q '"planner": "tsga"' mesh/metrics.json
 grep -q '"preset": "statue"' mesh/metrics.json
 grep -q '"complete": false' mesh/metrics.json
+unpublished mesh
 
 # A closed side is not entered, and the architecture is what it was asked to be.
 "$bin/drone_inspection" --scene house --robots 1 --architecture centralized --seed 3 --quiet \

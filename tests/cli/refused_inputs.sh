@@ -33,6 +33,7 @@ mkdir folder.ply
 for file in missing.ply truncated.ply faceless.off nan.obj range.obj garbage.stl empty.ply folder.ply \
     mesh.xyz; do
   refused drone_inspection --scene "$file" --out out
+  refused plan_coverage_tour "$file" --out out
   refused evaluate_reconstruction "$file" "$file" --out out
   refused surface_coverage --scene "$file" --out out
 done
@@ -90,6 +91,13 @@ for name in random:shell:5-1 random:shell:1- random:all:1-99999 random:castle:1-
 done
 refused drone_inspection_trials --scenes random:shell:1 --scene house --out out
 refused drone_inspection --scene random:shell:1 --ground 0 --out out
+refused plan_coverage_tour missing.ply --scene house --out out
+refused plan_coverage_tour --scene house --coverage 1.5 --out out
+refused plan_coverage_tour --scene house --standoff 0.5 --out out
+refused plan_coverage_tour --scene house --spacing 0 --out out
+refused plan_coverage_tour --scene house --density -1 --out out
+refused plan_coverage_tour --scene house --planner tsga --out out
+refused plan_coverage_tour --scene house --start 0 0 1 --out out
 refused drone_inspection_trials --scene house --planners magic --out out
 refused drone_inspection_trials --scene house --trials 0 --out out
 

@@ -55,6 +55,32 @@ TEST(tour_of_a_box_sees_what_it_promises_and_is_free) {
       CHECK(space.is_free_segment(tour.path[k - 1], tour.path[k]));
     CHECK(tour.length >= last - 1.0);
     last = tour.length;
+    // Flown, it comes by every viewpoint with its heading, in order, as fast as it may.
+    const TourFlightOptions flight{.speed = 0.7, .yaw_rate = 0.9, .image_period = 0.3, .hold = 0.5};
+    const auto images = fly_tour(tour, start, flight);
+    CHECK(images.front().first == 0.0 && images.front().second.position == start.position);
+    std::size_t next = 0;
+    double flown = 0.0, held = 0.0;
+    for (std::size_t k = 0; k < images.size(); ++k) {
+      const Configuration& q = images[k].second;
+      if (next < tour.viewpoints.size() && q.position == tour.viewpoints[next].position &&
+          std::abs(wrap_angle(q.yaw - tour.viewpoints[next].yaw)) < 1e-9)
+        ++next;
+      if (k == 0) continue;
+      const Configuration& before = images[k - 1].second;
+      const double step = (q.position - before.position).norm();
+      flown += step;
+      CHECK(step <= 0.21 + 1e-9);
+      CHECK(std::abs(wrap_angle(q.yaw - before.yaw)) <= 0.27 + 1e-9);
+      const double dt = images[k].first - images[k - 1].first;
+      CHECK(dt > 0.0 && dt <= 0.3 + 1e-9);
+      held = step == 0.0 && q.yaw == before.yaw ? held + dt : held;
+      CHECK(space.is_free_segment(before.position, q.position));
+    }
+    CHECK(next == tour.viewpoints.size());
+    CHECK_NEAR(flown, tour.length, 1e-6);
+    CHECK(held >= 0.5 * static_cast<double>(tour.viewpoints.size()));
+    CHECK_THROWS(Error, fly_tour(tour, start, {.speed = 0.0}));
     // The stops alone and the looks on the way account for what is claimed.
     CHECK(!tour.viewpoints.empty() && tour.viewpoints.size() < 20);
   }

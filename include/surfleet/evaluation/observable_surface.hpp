@@ -354,18 +354,25 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
             return (std::max(centre[axis] - shell, 0) + stride - 1) / stride * stride;
           };
           const Eigen::Vector3i last = (centre.array() + shell).min(lattice.size().array() - 1);
+          // Most nodes are behind the side or out of reach, so that is asked first.
+          const Eigen::Vector3d from = lattice.position(Eigen::Vector3i::Zero()) - p;
+          const double step = lattice.spacing();
           for (int z = first(2); z <= last.z(); z += stride)
-            for (int y = first(1); y <= last.y(); y += stride)
+            for (int y = first(1); y <= last.y(); y += stride) {
+              const double dy = from.y() + step * y, dz = from.z() + step * z;
+              const double along_row = dy * side.y() + dz * side.z(), row2 = dy * dy + dz * dz;
               for (int x = first(0); x <= last.x(); x += stride) {
+                const double dx = from.x() + step * x;
+                const double along = along_row + dx * side.x(), away2 = row2 + dx * dx;
+                if (along < 0.0 || away2 > reach * reach) continue;
                 const Eigen::Vector3i node(x, y, z);
                 if (!lattice.reached(node)) continue;
                 const Point3 q = lattice.position(node);
-                const Eigen::Vector3d away = q - p;
-                const double along = away.dot(side);
-                if (along < 0.0 || away.squaredNorm() > reach * reach || !view.sees(q, p)) continue;
-                candidates.emplace_back(static_cast<float>(-along / std::max(away.norm(), 1e-12)),
-                                        q);
+                if (!view.sees(q, p)) continue;
+                candidates.emplace_back(
+                    static_cast<float>(-along / std::max(std::sqrt(away2), 1e-12)), q);
               }
+            }
           std::stable_sort(candidates.begin(), candidates.end(),
                            [](const auto& a, const auto& b) { return a.first < b.first; });
           for (const auto& [unused, q] : candidates)

@@ -25,7 +25,8 @@
 #include <surfleet/motion/lazy_prm.hpp>
 
 namespace surfleet {
-/// Samples of a surface; three arrays of one length.
+/// Samples of a surface; three arrays of one length. A sheet that is to be seen from both sides is
+/// there twice.
 struct KnownSurface {
   std::span<const Point3> points;            ///< [m]
   std::span<const Eigen::Vector3d> normals;  ///< Unit, towards where it is seen from.
@@ -51,8 +52,59 @@ struct CoverageTour {
   double length = 0.0;          ///< Of `path` [m].
   double seen_area = 0.0;       ///< [m²]
   double reachable_area = 0.0;  ///< What the candidates together can see [m²].
+  /// By lines of sight, as the plan was made; what images of the flight are worth is for
+  /// `oriented_coverage` to say.
   double coverage() const { return reachable_area > 0.0 ? seen_area / reachable_area : 1.0; }
 };
+
+/// How a tour is flown to take images: at constant speed, turning on the way to each viewpoint and
+/// there until its heading is reached.
+struct TourFlightOptions {
+  double speed = 0.6;          ///< [m/s]
+  double yaw_rate = 0.8;       ///< [rad/s]
+  double image_period = 0.25;  ///< Longest time between two images [s].
+  double hold = 0.0;           ///< Time spent at every viewpoint, facing its heading [s].
+};
+
+/// Where images are taken on a tour: a body's pose and its time in seconds for each. The first is
+/// at `start` at time 0; there is one at every corner of the path, so that straight lines between
+/// images are the path, and one at every viewpoint with its heading. O(images).
+inline std::vector<std::pair<double, Configuration>> fly_tour(
+    const CoverageTour& tour, const Configuration& start, const TourFlightOptions& options = {}) {
+  require(options.speed > 0.0 && options.yaw_rate > 0.0 && options.image_period > 0.0 &&
+              options.hold >= 0.0,
+          "tour flight: expected a speed, yaw rate and period above 0 and a hold of 0 or more");
+  std::vector<std::pair<double, Configuration>> images{{0.0, start}};
+  // An image `dt` later at `p`, turned towards `yaw`.
+  const auto image = [&](const Point3& p, double yaw, double dt) {
+    const auto [time, last] = images.back();
+    const double most = options.yaw_rate * dt;
+    const double turn = std::clamp(wrap_angle(yaw - last.yaw), -most, most);
+    images.push_back({time + dt, {p, wrap_angle(last.yaw + turn)}});
+  };
+  std::size_t stop = 0;
+  // At a viewpoint: all that have this place are looked from, each with its heading.
+  const auto look_around = [&](const Point3& at) {
+    for (; stop < tour.viewpoints.size() && tour.viewpoints[stop].position == at; ++stop) {
+      const double yaw = tour.viewpoints[stop].yaw;
+      while (std::abs(wrap_angle(images.back().second.yaw - yaw)) > 1e-9)
+        image(at, yaw, options.image_period);
+      for (double held = 0.0; held < options.hold; held += options.image_period)
+        image(at, yaw, options.image_period);
+    }
+  };
+  if (!tour.path.empty()) look_around(tour.path.front());
+  for (std::size_t k = 1; k < tour.path.size() && stop < tour.viewpoints.size(); ++k) {
+    const Point3 &a = tour.path[k - 1], &b = tour.path[k];
+    const double time = (b - a).norm() / options.speed;
+    const double steps = std::ceil(time / options.image_period);
+    for (double i = 1.0; i <= steps; ++i)
+      image(i < steps ? Point3(a + (b - a) * (i / steps)) : b, tour.viewpoints[stop].yaw,
+            time / steps);
+    look_around(b);
+  }
+  return images;
+}
 
 namespace detail {
 /// Plans a coverage tour; see `plan_coverage_tour`.

@@ -125,9 +125,8 @@ struct IncompleteSurfaceChange {
 ///
 /// Where a map keeps hits (`HitStates`) there are two more kinds of elements, which are their own
 /// unknown neighbour. Glimpses with no occupied voxel among their 26 neighbours: a wire or a far
-/// sheet, met by few rays, that no border leads to. And empty voxels beside surface that was met,
-/// but never on their side, not even by a neighbour's ray: the far side of a sheet, known to be
-/// there from the near one.
+/// sheet, met by few rays, that no border leads to. And empty voxels behind surface that is known
+/// from before alone, not even by a neighbour's ray from here: the far side of a sheet.
 ///
 /// Follows one map for life: `update` costs O(blocks changed since the last call), whatever the
 /// map's size, and gives what a fresh extraction would. A bit a state and voxel is kept, 0.25 KB a
