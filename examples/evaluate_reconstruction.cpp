@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Measures a reconstructed mesh or cloud against a reference: coverage, M3C2, distances.
+/// @file
+/// @brief Measures a reconstructed mesh or cloud against a reference: coverage, M3C2, distances.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

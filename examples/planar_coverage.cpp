@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Voronoi coverage of polygons: convex, with obstacles, unknown; and the hybrid variants
-/// that
-///        deploy robots and sweep the ground [004 ch. 3-5].
+/// @file
+/// @brief Voronoi coverage of polygons: convex, with obstacles, unknown; and the hybrid variants
+/// that deploy robots and sweep the ground [004 ch. 3-5].
 #include <chrono>
 #include <cstdint>
 #include <fstream>

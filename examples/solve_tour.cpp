@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Solves a TSPLIB instance and prints the tour with its length and a proven bound.
+/// @file
+/// @brief Solves a TSPLIB instance and prints the tour with its length and a proven bound.
 #include <cstdio>
 #include <limits>
 #include <optional>

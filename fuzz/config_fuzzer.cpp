@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Any bytes as a configuration file are settings within their bounds, or are refused.
+/// @file
+/// @brief Any bytes as a configuration file are settings within their bounds, or are refused.
 #include <cstdint>
 #include <cstdlib>
 #include <sstream>

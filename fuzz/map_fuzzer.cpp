@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Feeds bytes to the map reader; what it accepts must survive a round trip.
+/// @file
+/// @brief Feeds bytes to the map reader; what it accepts must survive a round trip.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

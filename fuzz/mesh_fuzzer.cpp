@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Fuzzes the mesh and cloud readers: the first byte chooses the format, the rest is the
+/// @file
+/// @brief Fuzzes the mesh and cloud readers: the first byte chooses the format, the rest is the
 /// file.
 #include <surfleet/geometry/mesh_io.hpp>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The TSPLIB reader refuses or reads any bytes; what it reads survives a round trip.
+/// @file
+/// @brief The TSPLIB reader refuses or reads any bytes; what it reads survives a round trip.
 #include <cstdlib>
 
 #include <surfleet/allocation/tsplib.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Time of giving clusters to robots, by allocator; quality as counters.
+/// @file
+/// @brief Time of giving clusters to robots, by allocator; quality as counters.
 #include <benchmark/benchmark.h>
 
 #include <surfleet/allocation.hpp>

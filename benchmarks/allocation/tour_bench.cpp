@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Time of the assignment bound and of the tour solvers.
+/// @file
+/// @brief Time of the assignment bound and of the tour solvers.
 #include <benchmark/benchmark.h>
 
 #include <surfleet/allocation/assignment.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Tour instances made by rule, in the kinds that public collections of asymmetric tours
-///        are made of: the same on every machine.
+/// @file
+/// @brief Tour instances made by rule, in the kinds that public collections of asymmetric tours are
+/// made of: the same on every machine.
 #pragma once
 
 #include <algorithm>

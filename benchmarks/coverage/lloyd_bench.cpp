@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  One Lloyd step of 10 to 1000 robots in a 1000-vertex polygon with 20 holes.
+/// @file
+/// @brief One Lloyd step of 10 to 1000 robots in a 1000-vertex polygon with 20 holes.
 #include <benchmark/benchmark.h>
 
 #include <surfleet/core/random.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What one drone's plan is made of: lattices searched, views counted, a tour ahead.
+/// @file
+/// @brief What one drone's plan is made of: lattices searched, views counted, a tour ahead.
 #include <surfleet/core/random.hpp>
 #include <surfleet/fleet/optimistic_lattice.hpp>
 #include <surfleet/fleet/sight_targets.hpp>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Mesh extraction from a map of the benchmark room at 5 cm, about 200 000 triangles, whole
-///        and after one more scan.
+/// @file
+/// @brief Mesh extraction from a map of the benchmark room at 5 cm, about 200 000 triangles, whole
+/// and after one more scan.
 #include <benchmark/benchmark.h>
 
 #include <vector>

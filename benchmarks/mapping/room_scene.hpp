@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  The room the mapping benchmarks look at, with exact distances: 10 × 8 × 3 m, a sphere and
-///        a square pillar.
+/// @file
+/// @brief The room the mapping benchmarks look at, with exact distances: 10 × 8 × 3 m, a sphere and
+/// a square pillar.
 #pragma once
 
 #include <algorithm>

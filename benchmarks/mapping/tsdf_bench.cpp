@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // requires: octomap
-/// @file  TSDF integration with free space in a room, beside OctoMap's ray insertion. One iteration
-///        folds ten frames into a fresh map; `per_frame` is what counts.
+/// @file
+/// @brief TSDF integration with free space in a room, beside OctoMap's ray insertion. One iteration
+/// folds ten frames into a fresh map; `per_frame` is what counts.
 ///
 /// `Tsdf_Accuracy` is of errors alone: 50 and 95 % of the distances from samples of the extracted
 /// mesh to the exact surface, by what they are samples of, with exact and with noisy depth.

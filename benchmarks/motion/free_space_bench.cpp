@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Following the map, and asking it: free space, components, roadmap.
+/// @file
+/// @brief Following the map, and asking it: free space, components, roadmap.
 #include <surfleet/core/random.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
 

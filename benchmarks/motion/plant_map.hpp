@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A plant-like map written down analytically: hall, flues, tanks and gantries.
+/// @file
+/// @brief A plant-like map written down analytically: hall, flues, tanks and gantries.
 #pragma once
 
 #include <algorithm>

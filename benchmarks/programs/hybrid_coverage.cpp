@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Time to 95 % of the ground for the variants of hybrid coverage against random coverage,
-/// as
-///        JSON. Arguments: number of seeds (default 3), then numbers of robots (default 4 6 8 10).
+/// @file
+/// @brief Time to 95 % of the ground for the variants of hybrid coverage against random coverage,
+/// as JSON. Arguments: number of seeds (default 3), then numbers of robots (default 4 6 8 10).
 #include <cstdio>
 #include <cstdlib>
 #include <functional>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // requires: ompl
-/// @file  Our roadmap's queries against OMPL's LazyPRM* in the free space of the power plant's map.
+/// @file
+/// @brief Our roadmap's queries against OMPL's LazyPRM* in the free space of the power plant's map.
 ///
 ///     roadmap_vs_ompl [PAIRS = 20] [SECONDS_FOR_OMPL = 1]
 ///

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  How far LinKernighan ends from the best tour known, by time, minimising and maximising.
+/// @file
+/// @brief How far LinKernighan ends from the best tour known, by time, minimising and maximising.
 ///
 /// usage: tour_quality [--times 0.1,1] [--reference S] [--seeds K] [--set medium|large]
 ///        [FILE.atsp[=OPTIMUM] ...]

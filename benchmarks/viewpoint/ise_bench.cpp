@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Incomplete surface per image, for maps of growing size: the cost follows the change.
+/// @file
+/// @brief Incomplete surface per image, for maps of growing size: the cost follows the change.
 #include <surfleet/viewpoint/incomplete_surface.hpp>
 
 #include <benchmark/benchmark.h>

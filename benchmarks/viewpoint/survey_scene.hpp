@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A long wall with buttresses on flat ground, and a camera that flies along it.
+/// @file
+/// @brief A long wall with buttresses on flat ground, and a camera that flies along it.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  From incomplete elements to clusters with gain, stage by stage.
+/// @file
+/// @brief From incomplete elements to clusters with gain, stage by stage.
 #include <surfleet/viewpoint.hpp>
 
 #include <benchmark/benchmark.h>

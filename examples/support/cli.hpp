@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  What every binary does alike: option parsing, refusals, exit status, output folder,
-///        progress line and Ctrl-C.
+/// @file
+/// @brief What every binary does alike: option parsing, refusals, exit status, output folder,
+/// progress line and Ctrl-C.
 ///
 /// @code
 /// int main(int argc, char** argv) {

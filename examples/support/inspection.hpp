@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  How a drone inspection is run and judged, for `drone_inspection`, its trials and the
-///        clairvoyant benchmark.
+/// @file
+/// @brief How a drone inspection is run and judged, for `drone_inspection`, its trials and the
+/// clairvoyant benchmark.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What an inspection leaves behind: metrics, meshes, trajectories, pictures, a report.
+/// @file
+/// @brief What an inspection leaves behind: metrics, meshes, trajectories, pictures, a report.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Settings of a drone inspection and the options that set them.
+/// @file
+/// @brief Settings of a drone inspection and the options that set them.
 #pragma once
 
 #include <cmath>

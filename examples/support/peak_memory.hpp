@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  How much memory this process has taken.
+/// @file
+/// @brief How much memory this process has taken.
 #pragma once
 
 #include <sys/resource.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Pictures of the plane as SVG: ground, regions, paths and robots.
+/// @file
+/// @brief Pictures of the plane as SVG: ground, regions, paths and robots.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The planners that the binaries know by name, and what each of them asks of a mission.
+/// @file
+/// @brief The planners that the binaries know by name, and what each of them asks of a mission.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The planners behind the names that the binaries know.
+/// @file
+/// @brief The planners behind the names that the binaries know.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Everything of the allocation room: tours, cluster graphs, and who visits what.
+/// @file
+/// @brief Everything of the allocation room: tours, cluster graphs, and who visits what.
 #pragma once
 
 #include <surfleet/allocation/fwd.hpp>

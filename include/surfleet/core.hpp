@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Everything of the core room.
+/// @file
+/// @brief Everything of the core room.
 #pragma once
 
 #include <surfleet/core/fwd.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Voronoi coverage: the plane, obstacles, unknown ground, curved surfaces; sweeps.
+/// @file
+/// @brief Voronoi coverage: the plane, obstacles, unknown ground, curved surfaces; sweeps.
 #pragma once
 
 #include <surfleet/coverage/fwd.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Everything of the room `evaluation`: metrics, statistics, pictures, plots and reports.
+/// @file
+/// @brief Everything of the room `evaluation`: metrics, statistics, pictures, plots and reports.
 #pragma once
 
 #include <surfleet/evaluation/fwd.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Everything of the fleet room: planners and the missions that run them.
+/// @file
+/// @brief Everything of the fleet room: planners and the missions that run them.
 #pragma once
 
 #include <surfleet/fleet/fwd.hpp>

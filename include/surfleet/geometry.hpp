@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Everything of the geometry room.
+/// @file
+/// @brief Everything of the geometry room.
 #pragma once
 
 #include <surfleet/geometry/fwd.hpp>

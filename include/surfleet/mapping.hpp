@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Everything of the mapping room.
+/// @file
+/// @brief Everything of the mapping room.
 #pragma once
 
 #include <surfleet/mapping/fwd.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Everything of the motion room.
+/// @file
+/// @brief Everything of the motion room.
 #pragma once
 
 #include <surfleet/motion/fwd.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Everything of the simulation room.
+/// @file
+/// @brief Everything of the simulation room.
 #pragma once
 
 #include <surfleet/simulation/fwd.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The whole library but the adapters.
+/// @file
+/// @brief The whole library but the adapters.
 #pragma once
 
 #include <surfleet/allocation.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Everything of the viewpoint room.
+/// @file
+/// @brief Everything of the viewpoint room.
 #pragma once
 
 #include <surfleet/viewpoint/fwd.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Random clusters and robots for the tests of this room.
+/// @file
+/// @brief Random clusters and robots for the tests of this room.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What every deployment must keep to, whatever its policies.
+/// @file
+/// @brief What every deployment must keep to, whatever its policies.
 #pragma once
 
 #include <surfleet/coverage/surface_coverage.hpp>

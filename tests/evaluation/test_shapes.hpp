@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Meshes with closed forms for the tests of this room.
+/// @file
+/// @brief Meshes with closed forms for the tests of this room.
 #pragma once
 
 #include <cmath>

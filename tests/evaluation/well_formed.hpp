@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A strict check that a text is well-formed XML, as far as plots and reports use it.
+/// @file
+/// @brief A strict check that a text is well-formed XML, as far as plots and reports use it.
 #pragma once
 
 #include <set>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A small world for the fleet's tests: a box in empty space, seen without noise.
+/// @file
+/// @brief A small world for the fleet's tests: a box in empty space, seen without noise.
 #pragma once
 
 #include <cstddef>

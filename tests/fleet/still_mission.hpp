@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What planners are asked with in tests.
+/// @file
+/// @brief What planners are asked with in tests.
 #pragma once
 
 #include <span>

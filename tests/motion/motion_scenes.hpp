@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Maps for the tests of the motion room, written down rather than observed.
+/// @file
+/// @brief Maps for the tests of the motion room, written down rather than observed.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The tests' whole framework: cases that register themselves and checks that count.
+/// @file
+/// @brief The tests' whole framework: cases that register themselves and checks that count.
 ///
 /// What a check does is compiled once, in `main.cpp`: there are thousands, and the sanitizers'
 /// build would pay for each.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Maps whose voxels are given their states by hand.
+/// @file
+/// @brief Maps whose voxels are given their states by hand.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Maps made by hand for the tests of this room.
+/// @file
+/// @brief Maps made by hand for the tests of this room.
 #pragma once
 
 #include <cmath>

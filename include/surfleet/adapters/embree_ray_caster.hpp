@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Ray casting by Embree 3, as a `BundleRayCaster`. Link with the `embree3` library.
+/// @file
+/// @brief Ray casting by Embree 3, as a `BundleRayCaster`. Link with the `embree3` library.
 #pragma once
 
 #include <embree3/rtcore.h>

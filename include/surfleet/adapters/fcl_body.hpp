@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Any FCL shape as a robot's collision body.
+/// @file
+/// @brief Any FCL shape as a robot's collision body.
 #pragma once
 
 #include <memory>

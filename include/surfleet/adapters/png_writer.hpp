@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Pictures as PNG, by libpng.
+/// @file
+/// @brief Pictures as PNG, by libpng.
 #pragma once
 
 #include <png.h>

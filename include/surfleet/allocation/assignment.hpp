@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The linear assignment problem with its dual prices: the relaxation that bounds a tour.
+/// @file
+/// @brief The linear assignment problem with its dual prices: the relaxation that bounds a tour.
 #pragma once
 
 #include <limits>

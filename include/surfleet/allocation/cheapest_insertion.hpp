@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Where candidates would be inserted into an open path at the least cost.
+/// @file
+/// @brief Where candidates would be inserted into an open path at the least cost.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  The directed graph of viewpoint clusters whose arcs carry what a visit costs and gains
-///        [000 §2.5.1, eq. 2.2, 2.3].
+/// @file
+/// @brief The directed graph of viewpoint clusters whose arcs carry what a visit costs and gains
+/// [000 §2.5.1, eq. 2.2, 2.3].
 #pragma once
 
 #include <algorithm>

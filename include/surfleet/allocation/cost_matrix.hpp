@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A dense square matrix of arc costs, in general asymmetric.
+/// @file
+/// @brief A dense square matrix of arc costs, in general asymmetric.
 #pragma once
 
 #include <cstddef>

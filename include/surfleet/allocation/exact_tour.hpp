@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The optimal tour of a few nodes by dynamic programming.
+/// @file
+/// @brief The optimal tour of a few nodes by dynamic programming.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Greedy allocation of clusters to robots over a set function [000 §3.5, 3.6.1].
+/// @file
+/// @brief Greedy allocation of clusters to robots over a set function [000 §3.5, 3.6.1].
 ///
 /// `GreedyAllocator<>` is the TSP-greedy allocation TSGA [000 Alg. 2]; with the rule
 /// `NearestNeighbour` it is NNB [000 Alg. 4]; with `MakespanAware` it evens out the robots' times.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The shortest path through a set of points from one of them: the visit of one cluster.
+/// @file
+/// @brief The shortest path through a set of points from one of them: the visit of one cluster.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Local search over whole fleet plans: clusters move and change places between robots.
+/// @file
+/// @brief Local search over whole fleet plans: clusters move and change places between robots.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  An iterated Lin–Kernighan heuristic for asymmetric tours.
+/// @file
+/// @brief An iterated Lin–Kernighan heuristic for asymmetric tours.
 ///
 /// The steps of the descent exchange two neighbouring segments of the tour, which changes three
 /// arcs and turns no arc round, so that asymmetric costs are as cheap to evaluate as symmetric

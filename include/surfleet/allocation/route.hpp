@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  One robot's order of clusters, what it is worth, and the set functions that value a set
-///        of clusters by the best order found for it.
+/// @file
+/// @brief One robot's order of clusters, what it is worth, and the set functions that value a set
+/// of clusters by the best order found for it.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The complete 3-opt neighbourhood on asymmetric costs.
+/// @file
+/// @brief The complete 3-opt neighbourhood on asymmetric costs.
 #pragma once
 
 #include <chrono>

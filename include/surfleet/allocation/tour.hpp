@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  What a tour problem is, what a tour solver must provide, and the exact reductions of
-///        open, maximising and fixed-start problems to the cheapest closed tour.
+/// @file
+/// @brief What a tour problem is, what a tour solver must provide, and the exact reductions of
+/// open, maximising and fixed-start problems to the cheapest closed tour.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Files in the TSPLIB format, TYPE TSP and ATSP [Reinelt 1991].
+/// @file
+/// @brief Files in the TSPLIB format, TYPE TSP and ATSP [Reinelt 1991].
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  The assertion for what only a bug can break. Define `SURFLEET_ASSERT` before inclusion
-///        to send failures elsewhere.
+/// @file
+/// @brief The assertion for what only a bug can break. Define `SURFLEET_ASSERT` before inclusion to
+/// send failures elsewhere.
 #pragma once
 
 #ifndef SURFLEET_ASSERT

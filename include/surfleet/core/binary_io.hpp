@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Little-endian bytes in and out, a checksum, and files written whole or not at all.
+/// @file
+/// @brief Little-endian bytes in and out, a checksum, and files written whole or not at all.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The exception for everything a caller can cause.
+/// @file
+/// @brief The exception for everything a caller can cause.
 #pragma once
 
 #include <stdexcept>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Declarations of the core room, for headers that only name its types.
+/// @file
+/// @brief Declarations of the core room, for headers that only name its types.
 #pragma once
 
 namespace surfleet {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A parallel loop over indices, on threads that stay alive between calls.
+/// @file
+/// @brief A parallel loop over indices, on threads that stay alive between calls.
 #pragma once
 
 #include <algorithm>

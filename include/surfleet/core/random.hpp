@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A seeded random stream that gives the same numbers with every compiler and library.
+/// @file
+/// @brief A seeded random stream that gives the same numbers with every compiler and library.
 #pragma once
 
 #include <bit>

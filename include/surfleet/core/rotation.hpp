@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The shortest rotation from one direction to another.
+/// @file
+/// @brief The shortest rotation from one direction to another.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The handful of names every room shares: points, boxes, poses and angles.
+/// @file
+/// @brief The handful of names every room shares: points, boxes, poses and angles.
 ///
 /// World frame: right-handed, z up, metres, radians, seconds. Camera frame: x right, y down,
 /// z forward. A pose `T_target_source` takes points from source to target:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The library's version, stated here and nowhere else; the build reads it from this file.
+/// @file
+/// @brief The library's version, stated here and nowhere else; the build reads it from this file.
 #pragma once
 
 #define SURFLEET_VERSION_MAJOR 0

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Regions of equal work: triangles pass from busy robots to idle neighbours.
+/// @file
+/// @brief Regions of equal work: triangles pass from busy robots to idle neighbours.
 #pragma once
 
 #include <algorithm>

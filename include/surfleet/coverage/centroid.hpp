@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Mass, centroid and coverage cost of a region, for squared and for general performance.
+/// @file
+/// @brief Mass, centroid and coverage cost of a region, for squared and for general performance.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The grid on which covered ground is counted.
+/// @file
+/// @brief The grid on which covered ground is counted.
 #pragma once
 
 #include <algorithm>

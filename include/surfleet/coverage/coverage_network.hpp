@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Voronoi coverage by robots that know only what they asked their neighbours, and the
-/// record
-///        of who asked whom.
+/// @file
+/// @brief Voronoi coverage by robots that know only what they asked their neighbours, and the
+/// record of who asked whom.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  One covering triangle strip for a region: a path from triangle to neighbouring triangle
-///        that visits every one of them [004 §7.2.4].
+/// @file
+/// @brief One covering triangle strip for a region: a path from triangle to neighbouring triangle
+/// that visits every one of them [004 §7.2.4].
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Where coverage matters more: density functions and integrals of them over polygons.
+/// @file
+/// @brief Where coverage matters more: density functions and integrals of them over polygons.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  DisCoverage: exploration of an unknown domain by several robots, each looking at its
-/// share
-///        of the frontier as if the explored ground were star-shaped around it [004 §5.4].
+/// @file
+/// @brief DisCoverage: exploration of an unknown domain by several robots, each looking at its
+/// share of the frontier as if the explored ground were star-shaped around it [004 §5.4].
 ///
 /// ```cpp
 /// DisCoverage explore{floor_plan, start, {.range = 3.0}};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Voronoi tessellation and coverage of a polygon under its shortest-path distance: set-up 2
-///        of [004 §3.5.3], and the final tessellation of a non-convex deployment.
+/// @file
+/// @brief Voronoi tessellation and coverage of a polygon under its shortest-path distance: set-up 2
+/// of [004 §3.5.3], and the final tessellation of a non-convex deployment.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The gradient-projection controller for Voronoi coverage among walls [004 §5.3.2].
+/// @file
+/// @brief The gradient-projection controller for Voronoi coverage among walls [004 §5.3.2].
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Hybrid area coverage of a surface [004 Alg. 9]: deploy, sweep, lock what is covered,
-///        relocate, and again until nothing is left. Robots may fail or join on the way.
+/// @file
+/// @brief Hybrid area coverage of a surface [004 Alg. 9]: deploy, sweep, lock what is covered,
+/// relocate, and again until nothing is left. Robots may fail or join on the way.
 #pragma once
 
 #include <algorithm>

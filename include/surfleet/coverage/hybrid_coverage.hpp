@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  What all variants of hybrid coverage share [004 ch. 4]: settings, timed paths, and the
-///        count of covered ground over time.
+/// @file
+/// @brief What all variants of hybrid coverage share [004 ch. 4]: settings, timed paths, and the
+/// count of covered ground over time.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Coverage by flocking and sweeping: every robot steers by an angular histogram of
-/// uncovered
-///        ground, weighted by attraction, repulsion and enhancement [004 §4.3.1, variant 1].
+/// @file
+/// @brief Coverage by flocking and sweeping: every robot steers by an angular histogram of
+/// uncovered ground, weighted by attraction, repulsion and enhancement [004 §4.3.1, variant 1].
 #pragma once
 
 #include <algorithm>

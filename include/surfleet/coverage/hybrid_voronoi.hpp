@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Hybrid Voronoi coverage: deploy into Voronoi regions, then sweep them
-///        [004 §4.3.2, variant 3].
+/// @file
+/// @brief Hybrid Voronoi coverage: deploy into Voronoi regions, then sweep them [004 §4.3.2,
+/// variant 3].
 #pragma once
 
 #include <cstddef>

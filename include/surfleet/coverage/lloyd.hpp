@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Voronoi coverage of the plane: Lloyd's algorithm and the gradient-descent controller.
+/// @file
+/// @brief Voronoi coverage of the plane: Lloyd's algorithm and the gradient-descent controller.
 ///
 /// ```cpp
 /// std::vector<Point2> robots = ...;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  A surface as a graph of sites: the mesh's vertices, or its triangles in the dual
-///        [004 §6.2, §6.3.1].
+/// @file
+/// @brief A surface as a graph of sites: the mesh's vertices, or its triangles in the dual [004
+/// §6.2, §6.3.1].
 #pragma once
 
 #include <algorithm>

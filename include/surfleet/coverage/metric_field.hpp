@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Where and in which direction a surface deserves more robots: a density and a Finsler or
-///        metric tensor at every vertex [004 §6.3.1, §6.4.1].
+/// @file
+/// @brief Where and in which direction a surface deserves more robots: a density and a Finsler or
+/// metric tensor at every vertex [004 §6.3.1, §6.4.1].
 #pragma once
 
 #include <algorithm>

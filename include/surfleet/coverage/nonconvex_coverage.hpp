@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Voronoi coverage of polygons with notches and obstacles: Lloyd's algorithm on virtual
-///        robots that pass through everything, real robots that follow by path planning
-///        [004 Alg. 4, 5].
+/// @file
+/// @brief Voronoi coverage of polygons with notches and obstacles: Lloyd's algorithm on virtual
+/// robots that pass through everything, real robots that follow by path planning [004 Alg. 4, 5].
 ///
 /// ```cpp
 /// NonconvexCoverage<> cover{domain, start};        // TangentBug with an unlimited sensor

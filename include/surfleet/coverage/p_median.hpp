@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  The p-median problem: choose p of n places so that all clients together are cheap to
-///        reach. Vertex substitution (Teitz and Bart), and a search around its local optima.
+/// @file
+/// @brief The p-median problem: choose p of n places so that all clients together are cheap to
+/// reach. Vertex substitution (Teitz and Bart), and a search around its local optima.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  How good a deployment can be: a Lagrangian lower bound (Beasley 1993) and the best
-///        solution that a long search finds.
+/// @file
+/// @brief How good a deployment can be: a Lagrangian lower bound (Beasley 1993) and the best
+/// solution that a long search finds.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Robots that represent a picture: shape-based and goal-based pattern formation
-///        [004 §4.3.1].
+/// @file
+/// @brief Robots that represent a picture: shape-based and goal-based pattern formation [004
+/// §4.3.1].
 #pragma once
 
 #include <algorithm>

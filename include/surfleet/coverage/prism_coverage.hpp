@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Voronoi coverage of a prism by flying robots: any polygon as ground plan, convex in the
-///        vertical [004 Fig. 5.7].
+/// @file
+/// @brief Voronoi coverage of a prism by flying robots: any polygon as ground plan, convex in the
+/// vertical [004 Fig. 5.7].
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The baseline of [004 §4.4.1]: robots that go straight and turn at random.
+/// @file
+/// @brief The baseline of [004 §4.4.1]: robots that go straight and turn at random.
 #pragma once
 
 #include <algorithm>

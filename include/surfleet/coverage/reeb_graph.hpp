@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Critical points of a sweep line and the cells between them, as a Reeb graph [004 §4.3.2].
+/// @file
+/// @brief Critical points of a sweep line and the cells between them, as a Reeb graph [004 §4.3.2].
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Coverage by a robotic band: a line of robots that advances and leaves one behind at every
-///        critical point to sweep the cell just closed [004 §4.3.2, variant 2].
+/// @file
+/// @brief Coverage by a robotic band: a line of robots that advances and leaves one behind at every
+/// critical point to sweep the cell just closed [004 §4.3.2, variant 2].
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Voronoi coverage on a curved surface [004 Alg. 6].
+/// @file
+/// @brief Voronoi coverage on a curved surface [004 Alg. 6].
 ///
 /// @code
 /// SurfaceCoverage<MeshGraph, GeodesicDistance, WavefrontPropagation> cover{mesh, robots};

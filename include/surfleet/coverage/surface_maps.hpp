@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  What each robot knows of a surface it has not seen before: sensing, and the merging of
-///        maps within communication range [004 §6.5].
+/// @file
+/// @brief What each robot knows of a surface it has not seen before: sensing, and the merging of
+/// maps within communication range [004 §6.5].
 #pragma once
 
 #include <cstddef>

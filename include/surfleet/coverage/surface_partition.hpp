@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Graph Voronoi partitions of a surface and their coverage cost [004 §3.3.1, eq. 6.4].
+/// @file
+/// @brief Graph Voronoi partitions of a surface and their coverage cost [004 §3.3.1, eq. 6.4].
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Regions as sets of triangles, for robots that are to drive over all of them.
+/// @file
+/// @brief Regions as sets of triangles, for robots that are to drive over all of them.
 #pragma once
 
 #include <algorithm>

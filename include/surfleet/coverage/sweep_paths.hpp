@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Paths along which one robot sweeps a region: back and forth, and in a spiral.
+/// @file
+/// @brief Paths along which one robot sweeps a region: back and forth, and in a spiral.
 #pragma once
 
 #include <algorithm>

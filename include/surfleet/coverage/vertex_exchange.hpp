@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Coordination by vertex exchange [004 Alg. 8]: neighbouring robots trade sites across
-///        their common border as long as that lowers the cost to the regions' centroids.
+/// @file
+/// @brief Coordination by vertex exchange [004 Alg. 8]: neighbouring robots trade sites across
+/// their common border as long as that lowers the cost to the regions' centroids.
 #pragma once
 
 #include <algorithm>

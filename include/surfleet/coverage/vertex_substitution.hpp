@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Coordination by vertex substitution: robots also leap to where they are missed, so that
-///        the final cost no longer depends on the start.
+/// @file
+/// @brief Coordination by vertex substitution: robots also leap to where they are missed, so that
+/// the final cost no longer depends on the start.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The Voronoi tessellation of a polygon with holes.
+/// @file
+/// @brief The Voronoi tessellation of a polygon with holes.
 ///
 /// ```cpp
 /// const VoronoiTessellation v = voronoi_tessellation(domain, robots);

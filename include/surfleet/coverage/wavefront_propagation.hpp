@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Coordination by wavefront propagation [004 Alg. 7]: each robot finds its own Voronoi
-///        region by a wave with back propagation and steps towards the region's centroid.
+/// @file
+/// @brief Coordination by wavefront propagation [004 Alg. 7]: each robot finds its own Voronoi
+/// region by a wave with back propagation and steps towards the region's centroid.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Perceptual colour maps: diverging for signed error, sequential, and one colour a robot.
+/// @file
+/// @brief Perceptual colour maps: diverging for signed error, sequential, and one colour a robot.
 ///
 /// Maps interpolate in Oklab (Ottosson 2020), where equal steps look equally large.
 #pragma once

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  An RGB picture in memory.
+/// @file
+/// @brief An RGB picture in memory.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  M3C2: the signed distance between two point clouds along local normals (Lague, Brodu and
-///        Leroux, ISPRS J. Photogramm. 82, 2013), as the seeds measure reconstructions
-///        [000 §2.6.2].
+/// @file
+/// @brief M3C2: the signed distance between two point clouds along local normals (Lague, Brodu and
+/// Leroux, ISPRS J. Photogramm. 82, 2013), as the seeds measure reconstructions [000 §2.6.2].
 ///
 /// @code
 /// M3C2Options options{.projection_scale = 0.3, .max_depth = 0.5};

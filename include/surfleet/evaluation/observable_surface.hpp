@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  The part of a surface that a flying camera could have seen: what coverage is measured
-///        against.
+/// @file
+/// @brief The part of a surface that a flying camera could have seen: what coverage is measured
+/// against.
 ///
 /// A surface has two sides, and each is looked at for itself: a sheet that can be seen from both is
 /// covered twice, while nobody sees the inner side of a closed solid. A side of a surface point

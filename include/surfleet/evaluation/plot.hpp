@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Line plots and colour bars as SVG (strict XML, no scripts, no outside resources).
+/// @file
+/// @brief Line plots and colour bars as SVG (strict XML, no scripts, no outside resources).
 ///
 /// Axes and letters take the colour of the text around them (`currentColor`), so that an inlined
 /// plot reads on light and on dark pages.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The published results that every report shows beside its own.
+/// @file
+/// @brief The published results that every report shows beside its own.
 ///
 /// They were had on other machines, in other simulators and on other models of the same name and
 /// size: path length, coverage and error compare, wall-clock does not.

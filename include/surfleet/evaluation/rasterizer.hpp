@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A small software renderer: shaded meshes with shadows, paths and points, as pictures.
+/// @file
+/// @brief A small software renderer: shaded meshes with shadows, paths and points, as pictures.
 ///
 /// @code
 /// Rasterizer picture(frame_points(mesh.vertices, radians(35), radians(25), 1600, 1000));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  How complete and how exact a reconstruction is [000 §2.6.2].
+/// @file
+/// @brief How complete and how exact a reconstruction is [000 §2.6.2].
 ///
 /// @code
 /// EvaluationOptions options{.e_max = half_voxel_diagonal(0.3)};

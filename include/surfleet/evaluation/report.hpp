@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A report as one self-contained HTML file: pictures, plots and tables inlined.
+/// @file
+/// @brief A report as one self-contained HTML file: pictures, plots and tables inlined.
 ///
 /// @code
 /// Report report{"Inspection of the power plant", "3 drones, seed 1"};

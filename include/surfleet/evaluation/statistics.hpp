@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Means, spreads and percentiles of samples and of repeated trials.
+/// @file
+/// @brief Means, spreads and percentiles of samples and of repeated trials.
 #pragma once
 
 #include <algorithm>

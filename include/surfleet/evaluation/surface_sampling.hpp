@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Points spread evenly by area over a mesh.
+/// @file
+/// @brief Points spread evenly by area over a mesh.
 #pragma once
 
 #include <algorithm>

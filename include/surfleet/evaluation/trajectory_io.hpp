@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Trajectories in the TUM text format: a line `time tx ty tz qx qy qz qw` for each pose.
+/// @file
+/// @brief Trajectories in the TUM text format: a line `time tx ty tz qx qy qz qw` for each pose.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The coverage tour of a known mesh: a short flight from which a camera sees its surface.
+/// @file
+/// @brief The coverage tour of a known mesh: a short flight from which a camera sees its surface.
 ///
 ///     KnownSurface surface{samples, normals, areas};
 ///     const CoverageTour tour = plan_coverage_tour(surface, caster, free_space, roadmap, camera,

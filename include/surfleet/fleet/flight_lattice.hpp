@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A lattice of flyable positions, searched outward from a robot.
+/// @file
+/// @brief A lattice of flyable positions, searched outward from a robot.
 #pragma once
 
 #include <algorithm>

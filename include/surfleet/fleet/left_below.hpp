@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What a robot that climbs leaves below.
+/// @file
+/// @brief What a robot that climbs leaves below.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Why a mission ends with surface that is still incomplete.
+/// @file
+/// @brief Why a mission ends with surface that is still incomplete.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The most that one look can show, from sums over boxes.
+/// @file
+/// @brief The most that one look can show, from sums over boxes.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What was looked at in vain, so that no robot looks for ever.
+/// @file
+/// @brief What was looked at in vain, so that no robot looks for ever.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  A fleet reconstructs what it does not know: the loop from depth image to motion and back,
-///        on one map for all robots [000 ch. 2, 3].
+/// @file
+/// @brief A fleet reconstructs what it does not know: the loop from depth image to motion and back,
+/// on one map for all robots [000 ch. 2, 3].
 ///
 ///     Mission<TsgaPlanner, DroneWorld<EmbreeRayCaster>> mission(options, world, starts);
 ///     const MissionResult result = mission.run();

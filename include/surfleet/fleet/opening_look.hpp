@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The look that opens a way.
+/// @file
+/// @brief The look that opens a way.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Ways through what is not known to be blocked: the freespace assumption.
+/// @file
+/// @brief Ways through what is not known to be blocked: the freespace assumption.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What a mission asks of a planner, and what it gets back.
+/// @file
+/// @brief What a mission asks of a planner, and what it gets back.
 #pragma once
 
 #include <cstddef>

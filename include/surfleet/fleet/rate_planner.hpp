@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A planner that flies where the most surface per metre is to be seen next.
+/// @file
+/// @brief A planner that flies where the most surface per metre is to be seen next.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Which of two planners is asked: flights by rate or tours.
+/// @file
+/// @brief Which of two planners is asked: flights by rate or tours.
 #pragma once
 
 #include <algorithm>

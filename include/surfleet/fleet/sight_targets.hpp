@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Points worth seeing, and what a camera at a given place would see of them.
+/// @file
+/// @brief Points worth seeing, and what a camera at a given place would see of them.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Unknown space as something to look at: its cells, and the look that shows most of them.
+/// @file
+/// @brief Unknown space as something to look at: its cells, and the look that shows most of them.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Whom a robot would meet on its way, were all to fly straight to where they are sent.
+/// @file
+/// @brief Whom a robot would meet on its way, were all to fly straight to where they are sent.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Keeps teammates out of the map.
+/// @file
+/// @brief Keeps teammates out of the map.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A short tour of the stops that pay best, in place of the one that pays best.
+/// @file
+/// @brief A short tour of the stops that pay best, in place of the one that pays best.
 #pragma once
 
 #include <algorithm>

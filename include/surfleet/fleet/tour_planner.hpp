@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The published high-level planner: viewpoints, clusters, tours, allocation [000 ch. 2, 3].
+/// @file
+/// @brief The published high-level planner: viewpoints, clusters, tours, allocation [000 ch. 2, 3].
 #pragma once
 
 #include <algorithm>

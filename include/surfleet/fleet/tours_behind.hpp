@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Some of a team tour what the others leave behind.
+/// @file
+/// @brief Some of a team tour what the others leave behind.
 #pragma once
 
 #include <algorithm>

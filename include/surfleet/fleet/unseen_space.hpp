@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Where a region goes on into space that nobody has looked into.
+/// @file
+/// @brief Where a region goes on into space that nobody has looked into.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Which robots can reach which viewpoints, so that nobody is sent where he cannot get.
+/// @file
+/// @brief Which robots can reach which viewpoints, so that nobody is sent where he cannot get.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What planning keeps from call to call of viewpoints and of what they show.
+/// @file
+/// @brief What planning keeps from call to call of viewpoints and of what they show.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Looks that make room: when nothing can be looked at for want of known space.
+/// @file
+/// @brief Looks that make room: when nothing can be looked at for want of known space.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  How much there is to see around a place.
+/// @file
+/// @brief How much there is to see around a place.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A bounding volume hierarchy over a triangle mesh: first hits of rays, nearest points.
+/// @file
+/// @brief A bounding volume hierarchy over a triangle mesh: first hits of rays, nearest points.
 ///
 ///     const Bvh bvh(mesh);
 ///     if (const auto hit = bvh.cast(origin, direction, 100.0)) use(origin + hit->t * direction);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Vertex areas, principal curvatures and directions of a mesh, after Meyer, Desbrun,
-///        Schröder and Barr (2003), "Discrete differential-geometry operators".
+/// @file
+/// @brief Vertex areas, principal curvatures and directions of a mesh, after Meyer, Desbrun,
+/// Schröder and Barr (2003), "Discrete differential-geometry operators".
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  Distances along a triangle mesh as graphs for `shortest_paths`: along its edges, and
-///        straight across unfolded faces.
+/// @file
+/// @brief Distances along a triangle mesh as graphs for `shortest_paths`: along its edges, and
+/// straight across unfolded faces.
 ///
 /// Every arc is the length of a curve on the surface, so no distance is ever below the straight
 /// line, from however many sources. Non-manifold edges, borders, several components and slivers

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A weighted directed graph in compressed rows, and the library's one shortest-path
+/// @file
+/// @brief A weighted directed graph in compressed rows, and the library's one shortest-path
 /// routine.
 #pragma once
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A k-d tree over points in space: nearest, k nearest, all within a radius.
+/// @file
+/// @brief A k-d tree over points in space: nearest, k nearest, all within a radius.
 ///
 ///     const KdTree tree(cloud.points);
 ///     if (const auto hit = tree.nearest(p)) use(hit->index, hit->distance());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Who touches whom in a mesh: edges, rings, borders, connected parts; welding.
+/// @file
+/// @brief Who touches whom in a mesh: edges, rings, borders, connected parts; welding.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Meshes and point clouds from files and into files.
+/// @file
+/// @brief Meshes and point clouds from files and into files.
 ///
 /// Readers take .ply (text and binary), .obj, .stl (text and binary) and .off, and for clouds
 /// .ply and .xyz. They trust no number of a file before they have checked it: what is malformed,

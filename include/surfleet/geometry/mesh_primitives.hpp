@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Builders of simple meshes: boxes, cylinders, spheres, tubes, terraced solids, sheets.
+/// @file
+/// @brief Builders of simple meshes: boxes, cylinders, spheres, tubes, terraced solids, sheets.
 ///
 /// Solids come out closed, manifold and oriented outward, with shared vertices. Lengths in metres.
 #pragma once

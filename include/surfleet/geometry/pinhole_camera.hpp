@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A pinhole depth camera and the image it gives.
+/// @file
+/// @brief A pinhole depth camera and the image it gives.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The PLY format: text and binary of either byte order, any elements and properties.
+/// @file
+/// @brief The PLY format: text and binary of either byte order, any elements and properties.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The library's one point cloud.
+/// @file
+/// @brief The library's one point cloud.
 #pragma once
 
 #include <array>

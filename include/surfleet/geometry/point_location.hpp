@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Many questions "is this point inside?" about one polygon.
+/// @file
+/// @brief Many questions "is this point inside?" about one polygon.
 #pragma once
 
 #include <algorithm>

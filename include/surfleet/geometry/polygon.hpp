@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The library's one polygon: an outer ring and holes, with its measures and its checks.
+/// @file
+/// @brief The library's one polygon: an outer ring and holes, with its measures and its checks.
 ///
 /// ```cpp
 /// const Polygon room = make_polygon({{0, 0}, {5, 0}, {5, 3}, {0, 3}}, {{{2, 1}, {3, 1}, {2.5,

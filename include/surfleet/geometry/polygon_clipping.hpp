@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Cutting polygons with holes by half-planes and convex polygons.
+/// @file
+/// @brief Cutting polygons with holes by half-planes and convex polygons.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Shortest paths inside a polygon with holes.
+/// @file
+/// @brief Shortest paths inside a polygon with holes.
 ///
 /// ```cpp
 /// const PolygonGeodesics geodesics{floor_plan};

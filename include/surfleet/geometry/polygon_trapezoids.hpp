@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A polygon with holes as trapezoids between horizontal lines.
+/// @file
+/// @brief A polygon with holes as trapezoids between horizontal lines.
 #pragma once
 
 #include <algorithm>

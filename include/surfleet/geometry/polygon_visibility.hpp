@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What can be seen inside a polygon: segments, rays, and the visible region of a point.
+/// @file
+/// @brief What can be seen inside a polygon: segments, rays, and the visible region of a point.
 #pragma once
 
 #include <algorithm>

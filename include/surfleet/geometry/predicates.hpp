@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Predicates of plane geometry whose sign is exact.
+/// @file
+/// @brief Predicates of plane geometry whose sign is exact.
 #pragma once
 
 #include <algorithm>

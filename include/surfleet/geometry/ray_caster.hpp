@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What casting rays against a scene means; models are `Bvh` and, as an adapter, Embree.
+/// @file
+/// @brief What casting rays against a scene means; models are `Bvh` and, as an adapter, Embree.
 #pragma once
 
 #include <concepts>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Lines, words and numbers from a text in memory, for the readers of text formats.
+/// @file
+/// @brief Lines, words and numbers from a text in memory, for the readers of text formats.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The library's one triangle mesh: an indexed face set with optional attributes.
+/// @file
+/// @brief The library's one triangle mesh: an indexed face set with optional attributes.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A ray against a triangle and the point of a triangle nearest to a point.
+/// @file
+/// @brief A ray against a triangle and the point of a triangle nearest to a point.
 #pragma once
 
 #include <algorithm>

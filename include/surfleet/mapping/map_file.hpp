@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  TSDF maps as files and messages, and the fusion of one map into another.
+/// @file
+/// @brief TSDF maps as files and messages, and the fusion of one map into another.
 ///
 /// Format, little-endian, no padding:
 ///

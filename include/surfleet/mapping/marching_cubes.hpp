@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Marching cubes: the triangles of every sign pattern of a cube's corners.
+/// @file
+/// @brief Marching cubes: the triangles of every sign pattern of a cube's corners.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The surface of a TSDF map as a triangle mesh, kept up to date block by block.
+/// @file
+/// @brief The surface of a TSDF map as a triangle mesh, kept up to date block by block.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The projective TSDF update: every voxel in the view looks up its pixel.
+/// @file
+/// @brief The projective TSDF update: every voxel in the view looks up its pixel.
 #pragma once
 
 #include <algorithm>

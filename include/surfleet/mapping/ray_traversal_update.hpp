@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The ray-traversal TSDF update: every ray visits the voxels it passes through.
+/// @file
+/// @brief The ray-traversal TSDF update: every ray visits the voxels it passes through.
 #pragma once
 
 #include <algorithm>

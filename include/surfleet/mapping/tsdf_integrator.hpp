@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Folds depth images and laser scans into a TSDF map.
+/// @file
+/// @brief Folds depth images and laser scans into a TSDF map.
 #pragma once
 
 #include <cstddef>

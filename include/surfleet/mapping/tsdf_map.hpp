@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The voxel of a truncated signed distance field, and the map made of it.
+/// @file
+/// @brief The voxel of a truncated signed distance field, and the map made of it.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What a TSDF integrator is told and what it asks of the way it updates voxels.
+/// @file
+/// @brief What a TSDF integrator is told and what it asks of the way it updates voxels.
 #pragma once
 
 #include <cmath>

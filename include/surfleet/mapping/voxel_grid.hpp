@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A sparse, unbounded grid of voxels in hashed blocks that remembers what changed.
+/// @file
+/// @brief A sparse, unbounded grid of voxels in hashed blocks that remembers what changed.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Unknown, empty or occupied for every voxel: the map as planners read it.
+/// @file
+/// @brief Unknown, empty or occupied for every voxel: the map as planners read it.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The voxels a straight segment passes through.
+/// @file
+/// @brief The voxels a straight segment passes through.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Weighting rules for TSDF fusion: how much one observation of a voxel counts.
+/// @file
+/// @brief Weighting rules for TSDF fusion: how much one observation of a voxel counts.
 #pragma once
 
 #include <algorithm>

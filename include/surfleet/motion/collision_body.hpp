@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The shapes a robot may have when it is checked against the map [000 §2.5.3].
+/// @file
+/// @brief The shapes a robot may have when it is checked against the map [000 §2.5.3].
 #pragma once
 
 #include <algorithm>

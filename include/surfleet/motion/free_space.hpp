@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Where a robot's body fits, kept up to date as the map grows.
+/// @file
+/// @brief Where a robot's body fits, kept up to date as the map grows.
 ///
 ///     FreeSpace free(states, {.radius = 1.0, .bounds = box});
 ///     free.add_known_free({start, free.required_distance() + 0.5});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  How robots move: an aerial robot with four degrees of freedom and a planar unicycle.
+/// @file
+/// @brief How robots move: an aerial robot with four degrees of freedom and a planar unicycle.
 #pragma once
 
 #include <algorithm>

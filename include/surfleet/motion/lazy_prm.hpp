@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  A Lazy PRM* roadmap that is kept between queries and repaired as the map grows
-///        [000 §1.4.3, 2.5.3].
+/// @file
+/// @brief A Lazy PRM* roadmap that is kept between queries and repaired as the map grows [000
+/// §1.4.3, 2.5.3].
 #pragma once
 
 #include <algorithm>

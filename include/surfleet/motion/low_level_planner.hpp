@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The checks a robot makes on its way [000 §2.5.3, 3.5.2, Alg. 1 and 3].
+/// @file
+/// @brief The checks a robot makes on its way [000 §2.5.3, 3.5.2, Alg. 1 and 3].
 #pragma once
 
 #include <algorithm>

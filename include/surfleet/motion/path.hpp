@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A path in space as a polyline, and how to shorten one.
+/// @file
+/// @brief A path in space as a polyline, and how to shorten one.
 #pragma once
 
 #include <algorithm>

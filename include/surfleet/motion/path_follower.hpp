@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Moving along a polyline within speed and acceleration limits, corners rounded.
+/// @file
+/// @brief Moving along a polyline within speed and acceleration limits, corners rounded.
 #pragma once
 
 #include <algorithm>

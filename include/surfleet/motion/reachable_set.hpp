@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Which free places are connected with which: "unreachable" as a fast, exact answer.
+/// @file
+/// @brief Which free places are connected with which: "unreachable" as a fast, exact answer.
 #pragma once
 
 #include <algorithm>

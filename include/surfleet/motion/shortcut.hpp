@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Path shortcutting: cut what line of sight allows, then pull the string taut.
+/// @file
+/// @brief Path shortcutting: cut what line of sight allows, then pull the string taut.
 #pragma once
 
 #include <algorithm>

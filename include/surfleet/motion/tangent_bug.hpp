@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  TangentBug: a point robot that reaches a goal among polygons it knows only by a range
-///        sensor [004 Alg. 3].
+/// @file
+/// @brief TangentBug: a point robot that reaches a goal among polygons it knows only by a range
+/// sensor [004 Alg. 3].
 ///
 /// ```cpp
 /// TangentBug bug{domain, start, goal, {.range = 2.0}};

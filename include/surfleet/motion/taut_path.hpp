@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A short way by places that need not be met exactly.
+/// @file
+/// @brief A short way by places that need not be met exactly.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Who goes, who waits and who steps aside when robots meet [000 §3.5.2 item 5].
+/// @file
+/// @brief Who goes, who waits and who steps aside when robots meet [000 §3.5.2 item 5].
 #pragma once
 
 #include <algorithm>

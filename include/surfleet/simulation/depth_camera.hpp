@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A depth camera in a true scene.
+/// @file
+/// @brief A depth camera in a true scene.
 ///
 ///     DepthCamera<StereoNoise> camera{PinholeCamera::from_fov(…)};
 ///     const DepthImage image = camera.capture(Bvh(scene.mesh), T_world_camera, {}, Random(seed));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The simulated world of a fleet of drones: what their cameras see of a true scene.
+/// @file
+/// @brief The simulated world of a fleet of drones: what their cameras see of a true scene.
 #pragma once
 
 #include <cstddef>

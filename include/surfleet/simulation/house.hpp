@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A small house, 8 × 6 × 5 m, for quick tests.
+/// @file
+/// @brief A small house, 8 × 6 × 5 m, for quick tests.
 #pragma once
 
 #include <array>

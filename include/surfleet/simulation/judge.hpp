@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  The judge: collisions and clearances of the robots' true paths against the true scene and
-///        against each other. It knows nothing of the robots' map.
+/// @file
+/// @brief The judge: collisions and clearances of the robots' true paths against the true scene and
+/// against each other. It knows nothing of the robots' map.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The map that a perfect survey of a known mesh would give.
+/// @file
+/// @brief The map that a perfect survey of a known mesh would give.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Bundled planar worlds: those of [004 Fig. 4.4–5.9], an office, and cracks to be found.
+/// @file
+/// @brief Bundled planar worlds: those of [004 Fig. 4.4–5.9], an office, and cracks to be found.
 #pragma once
 
 #include <cstddef>

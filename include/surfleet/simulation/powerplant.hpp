@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// @file  The bundled power plant, 65 × 42 × 15 m: hall with roof, monitor and an open loading bay,
-///        boiler house, five flues of one height, pipe rack and crane of thin members, tank farm
-///        with narrow passages, conveyor, cooling units [000 §2.6.1].
+/// @file
+/// @brief The bundled power plant, 65 × 42 × 15 m: hall with roof, monitor and an open loading bay,
+/// boiler house, five flues of one height, pipe rack and crane of thin members, tank farm with
+/// narrow passages, conveyor, cooling units [000 §2.6.1].
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What a mission takes place in: a true mesh, the part to reconstruct, the space to fly in.
+/// @file
+/// @brief What a mission takes place in: a true mesh, the part to reconstruct, the space to fly in.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  The bundled and the generated scenes by name.
+/// @file
+/// @brief The bundled and the generated scenes by name.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  The bundled statue on its pedestal, 20 × 20 × 60 m: a robed figure with raised torch,
-///        tablet and crown of spikes, folds and hair in relief [000 §2.6.1].
+/// @file
+/// @brief The bundled statue on its pedestal, 20 × 20 × 60 m: a robed figure with raised torch,
+/// tablet and crown of spikes, folds and hair in relief [000 §2.6.1].
 #pragma once
 
 #include <algorithm>

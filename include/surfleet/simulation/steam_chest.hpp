@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A steam chest after [004 §2.1.1]: tubes of 20 to 70 cm, seven openings, 5 m long.
+/// @file
+/// @brief A steam chest after [004 §2.1.1]: tubes of 20 to 70 cm, seven openings, 5 m long.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  How a depth camera errs.
+/// @file
+/// @brief How a depth camera errs.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  The bundled bumpy slope of [004 §2.1.2]. Spheres and tori are in
-///        geometry/mesh_primitives.hpp.
+/// @file
+/// @brief The bundled bumpy slope of [004 §2.1.2]. Spheres and tori are in
+/// geometry/mesh_primitives.hpp.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What a configuration would show of the map, found by casting rays through it.
+/// @file
+/// @brief What a configuration would show of the map, found by casting rays through it.
 ///
 ///     IncompleteSurfaceGain gain(elements, states, frustum);
 ///     const auto seen = seen_from_all(gain, views, threads);

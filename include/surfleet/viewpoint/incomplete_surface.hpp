@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Incomplete surface elements: where the known surface ends, kept up to date by the change.
+/// @file
+/// @brief Incomplete surface elements: where the known surface ends, kept up to date by the change.
 ///
 ///     IncompleteSurface incomplete{{.known_weight = 0.3}};
 ///     incomplete.update(map);                       // only the blocks that changed

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Whether a look can complete an incomplete element.
+/// @file
+/// @brief Whether a look can complete an incomplete element.
 #pragma once
 
 #include <surfleet/core/types.hpp>

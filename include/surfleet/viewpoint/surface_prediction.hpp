@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Where the surface is likely to go on behind the border of what is known of it.
+/// @file
+/// @brief Where the surface is likely to go on behind the border of what is known of it.
 ///
 ///     for (const PredictedPatch& p : predict_surface(incomplete.elements(), states)) …
 #pragma once

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  What a camera on a robot with four degrees of freedom has in its field of view.
+/// @file
+/// @brief What a camera on a robot with four degrees of freedom has in its field of view.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A configuration worth taking because of what is seen from it.
+/// @file
+/// @brief A configuration worth taking because of what is seen from it.
 #pragma once
 
 #include <cstddef>

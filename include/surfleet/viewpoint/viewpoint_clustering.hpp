@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Clusters of viewpoints that lie a short path apart.
+/// @file
+/// @brief Clusters of viewpoints that lie a short path apart.
 #pragma once
 
 #include <algorithm>

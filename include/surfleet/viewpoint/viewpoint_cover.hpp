@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Few viewpoints that see what many were made for.
+/// @file
+/// @brief Few viewpoints that see what many were made for.
 ///
 ///     const auto few = cover_viewpoints(views, seen_from_all(gain, views));
 #pragma once

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Viewpoints for incomplete surface elements, and their merging.
+/// @file
+/// @brief Viewpoints for incomplete surface elements, and their merging.
 ///
 ///     const auto views = generate_viewpoints(incomplete, states, camera, {.distance = 4.7},
 ///     is_free); const auto fewer = merge_viewpoints(views, {.distance = 0.75}, sees_and_is_free);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Line of sight through a map of voxel states.
+/// @file
+/// @brief Line of sight through a map of voxel states.
 #pragma once
 
 #include <algorithm>

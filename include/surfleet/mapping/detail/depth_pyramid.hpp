@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Smallest and largest depth in any rectangle of an image, in a few look-ups.
+/// @file
+/// @brief Smallest and largest depth in any rectangle of an image, in a few look-ups.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Planes through the points around pixels, fitted robustly, many pixels at a time.
+/// @file
+/// @brief Planes through the points around pixels, fitted robustly, many pixels at a time.
 #pragma once
 
 #include <array>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// @file  One pinhole view of depths as the projective update works with it: which blocks it
-///        concerns, and what it says of each of their voxels.
+/// @file
+/// @brief One pinhole view of depths as the projective update works with it: which blocks it
+/// concerns, and what it says of each of their voxels.
 #pragma once
 
 #include <algorithm>

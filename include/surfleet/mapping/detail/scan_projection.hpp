@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  A scan of points as pinhole images on the faces of a cube around the sensor.
+/// @file
+/// @brief A scan of points as pinhole images on the faces of a cube around the sensor.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Choices that do not keep a loop from becoming vector code.
+/// @file
+/// @brief Choices that do not keep a loop from becoming vector code.
 #pragma once
 
 namespace surfleet::detail {

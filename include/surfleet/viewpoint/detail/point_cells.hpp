@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// @file  Points in cubic cells, for neighbours within about a cell's edge.
+/// @file
+/// @brief Points in cubic cells, for neighbours within about a cell's edge.
 #pragma once
 
 #include <cmath>
