@@ -26,6 +26,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -191,7 +193,7 @@ struct ObservabilityOptions {
   double max_incidence = radians(80.0);  ///< Between the ray and the surface's normal [rad].
   bool two_sided = true;                 ///< Either side counts, else that of the normal alone.
   int stride = 2;            ///< Every so many-th node is looked from; all carry the flood.
-  double tolerance = 0.001;  ///< A hit this near before the point does not block it [m].
+  double tolerance = 0.001;  ///< What is this near before the surface does not block it [m].
   int threads = 1;
 };
 
@@ -312,6 +314,7 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
                                      std::lerp(camera.min_range, camera.max_range, 0.85)};
   const int shell = static_cast<int>(std::ceil(reach / lattice.spacing())) + 1;
 
+  constexpr std::size_t kBundle = 16;  // rays cast at a time
   ObservableSurface result;
   result.seen_from.assign(samples.size(), 0);
   result.viewers.assign(samples.size(), {Point3::Zero(), Point3::Zero()});
@@ -320,14 +323,28 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
       [&](std::size_t i) {
         const Point3& p = samples.points[i];
         const Eigen::Vector3d normal = samples.normals[i].cast<double>();
-        const auto sees = [&](const Point3& q, const Eigen::Vector3d& side) {
-          if (!view.sees(q, p)) return false;
-          const Eigen::Vector3d to_eye = view.eye(q, p) - p;
-          const double length = to_eye.norm();
-          if (length < 1e-9 || to_eye.dot(side) < min_cosine * length) return false;
-          const Eigen::Vector3d d = to_eye / length;
-          return length <= options.tolerance ||
-                 !scene.cast(p + options.tolerance * d, d, length - options.tolerance).has_value();
+        // The first of some positions that sees a side, if any does. Rays start a little off it.
+        const auto sees = [&](std::span<const Point3> positions,
+                              const Eigen::Vector3d& side) -> std::optional<Point3> {
+          const Point3 origin = p + options.tolerance * side;
+          std::array<Eigen::Vector3d, kBundle> rays;
+          std::array<Point3, kBundle> from;
+          std::array<double, kBundle> t;
+          std::size_t count = 0;
+          for (const Point3& q : positions) {
+            if (!view.sees(q, p)) continue;
+            const Point3 eye = view.eye(q, p);
+            const double along = (eye - p).dot(side);
+            if (along <= options.tolerance || along < min_cosine * (eye - p).norm()) continue;
+            from[count] = q;
+            rays[count++] = eye - origin;
+          }
+          if (count == 0) return std::nullopt;
+          cast_bundle(scene, origin, std::span<const Eigen::Vector3d>(rays.data(), count), 1.0,
+                      std::span<double>(t.data(), count));
+          for (std::size_t r = 0; r < count; ++r)
+            if (!(t[r] <= 1.0)) return from[r];
+          return std::nullopt;
         };
         // Whether a position of the fan sees the side; most of what is visible is settled so.
         const auto at_once = [&](const Eigen::Vector3d& side, Point3& viewer) {
@@ -336,8 +353,10 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
           for (const Eigen::Vector3d& d : fan)
             for (const double range : ranges) {
               const Eigen::Vector3i node = lattice.nearest_node(p + range * (frame * d));
-              if (!lattice.reached(node) || !sees(lattice.position(node), side)) continue;
-              viewer = lattice.position(node);
+              if (!lattice.reached(node)) continue;
+              const Point3 q = lattice.position(node);
+              if (!sees(std::span<const Point3>(&q, 1), side)) continue;
+              viewer = q;
               return true;
             }
           return false;
@@ -349,7 +368,7 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
         for (std::size_t k = 0; k < sides; ++k) {
           if (seen[k]) continue;
           const Eigen::Vector3d side = k == 0 ? normal : -normal;
-          std::vector<std::pair<float, Point3>> candidates;
+          std::array<std::vector<Point3>, 2> candidates;  // the frontal ones, the rest
           const Eigen::Vector3i centre = lattice.nearest_node(p);
           const auto first = [&](int axis) {
             return (std::max(centre[axis] - shell, 0) + stride - 1) / stride * stride;
@@ -370,17 +389,17 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
                 if (!lattice.reached(node)) continue;
                 const Point3 q = lattice.position(node);
                 if (!view.sees(q, p)) continue;
-                candidates.emplace_back(
-                    static_cast<float>(-along / std::max(std::sqrt(away2), 1e-12)), q);
+                candidates[along * along >= 0.5 * away2 ? 0 : 1].push_back(q);
               }
             }
-          std::stable_sort(candidates.begin(), candidates.end(),
-                           [](const auto& a, const auto& b) { return a.first < b.first; });
-          for (const auto& [unused, q] : candidates)
-            if (sees(q, side)) {
-              result.viewers[i][k] = q;
+          for (const std::vector<Point3>& list : candidates)
+            for (std::size_t at = 0; at < list.size() && !seen[k]; at += kBundle) {
+              const std::span<const Point3> bundle(list.data() + at,
+                                                   std::min(kBundle, list.size() - at));
+              const auto one = sees(bundle, side);
+              if (!one) continue;
+              result.viewers[i][k] = *one;
               seen[k] = true;
-              break;
             }
         }
         if (seen[0]) result.seen_from[i] |= ObservableSurface::kFront;
