@@ -37,9 +37,11 @@ class HitObserver {
     const Eigen::Vector3d eye = view.T_world_camera.translation() / voxel_size;
     base_ = eye.array().floor().cast<int>();
     const Eigen::Vector3f start = (eye - base_.cast<double>()).cast<float>();
-    pixel_weight_ = std::max<std::int64_t>(
-        1, std::llround(1.0 / (static_cast<double>(view.fx) * static_cast<double>(view.fy) *
-                               voxel_size * voxel_size * SurfaceHit::kWeightUnit)));
+    // Bounded, so that no image of however large pixels over small voxels overflows the sums.
+    constexpr double kMost = 1e9;
+    const double share = 1.0 / (static_cast<double>(view.fx) * static_cast<double>(view.fy) *
+                                voxel_size * voxel_size * SurfaceHit::kWeightUnit);
+    pixel_weight_ = std::max<std::int64_t>(1, std::llround(std::min(share, kMost)));
     pixels_.resize(view.pixels());
     const Eigen::Matrix3f R = view.T_world_camera.linear().cast<float>();
     const auto inverse_size = static_cast<float>(1.0 / voxel_size);
