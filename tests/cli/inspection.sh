@@ -32,6 +32,7 @@ unpublished() { if grep -q "$published" "$1/report.html"; then echo "figures of 
 unpublished out1
 for preset in powerplant statue; do
   "$bin/drone_inspection" --scene statue --preset $preset --voxel 0.6 --image-width 32 --robots 1 \
+    --start-clearance 3.8 \
     --max-time 1 --quiet --out $preset >statue.txt || [ $? = 3 ]
 done
 grep -q "$published" statue/report.html

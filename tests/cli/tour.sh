@@ -10,7 +10,7 @@ value() { grep "\"$2\":" "$1/metrics.json" | sed 's/.*: //; s/,.*//'; }
 # A block of 4 x 4 x 3 m, 2 m above the ground of its coordinates.
 printf 'v -2 -2 2\nv 2 -2 2\nv 2 2 2\nv -2 2 2\nv -2 -2 5\nv 2 -2 5\nv 2 2 5\nv -2 2 5\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n' >block.obj
 for threads in 1 2; do
-  "$bin/plan_coverage_tour" block.obj --coverage 0.9 --start 6 0 3 --threads $threads \
+  "$bin/plan_coverage_tour" block.obj --coverage 0.9 --start 6 0 3 --floor none --threads $threads \
     --out block$threads >block.txt
 done
 for file in viewpoints.csv tour.json tour.tum reconstruction.ply metrics.json report.html; do

@@ -36,6 +36,7 @@ inline CoverageEstimate estimate_coverage(const TsdfMap& map, const TriangleMesh
                                           const IncompleteSurface& incomplete, double known_weight,
                                           const Box3& region = {}) {
   constexpr double kGlimpse = 1.0 / 16.0;
+  constexpr double kOpposite = -0.5;  // cosine of normals below which sides are two
   const double h = map.voxel_size();
   CoverageEstimate e;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -44,18 +45,21 @@ inline CoverageEstimate estimate_coverage(const TsdfMap& map, const TriangleMesh
   const detail::TriangleCells cells(mesh, h);
   map.for_each_block([&](const TsdfMap::Block& block) {
     const auto hits = block.layer.hits();
-    for (std::size_t i = 0; i < hits.size();) {
-      std::size_t end = i, most = i;
-      for (; end < hits.size() && hits[end].voxel() == hits[i].voxel(); ++end)
-        if (hits[end].weight > hits[most].weight) most = end;
-      const SurfaceHit& hit = hits[most];
-      i = end;
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      const SurfaceHit& hit = hits[i];
+      const Eigen::Vector3d normal = hit.mean_normal();
       if (!hit.is_solid(kGlimpse * known_weight)) continue;
-      const Point3 p = map.center(TsdfMap::index_in(block, hit.voxel())) + hit.mean_offset(h);
+      bool own_side = true;
+      for (const SurfaceHit& other : block.layer.of_voxel(hit.voxel()))
+        if (other.weight > hit.weight || (other.weight == hit.weight && other.key < hit.key))
+          own_side = own_side && other.mean_normal().dot(normal) < kOpposite;
+      if (!own_side) continue;
+      const VoxelIndex v = TsdfMap::index_in(block, hit.voxel());
+      const Point3 p = map.center(v) + hit.mean_offset(h);
       if (!region.isEmpty() && !region.contains(p)) continue;
       // What an element stands for is counted there.
-      if (incomplete.contains(TsdfMap::index_in(block, hit.voxel()))) continue;
-      if (!cells.near(p, hit.mean_normal(), 0.999 * h)) e.unmeshed += h * h;
+      if (incomplete.contains(v)) continue;
+      if (!cells.near(p, normal, 0.999 * h)) e.unmeshed += h * h;
     }
   });
   return e;
