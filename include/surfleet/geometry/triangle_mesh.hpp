@@ -71,14 +71,15 @@ inline void append(TriangleMesh& mesh, const TriangleMesh& part) {
     mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
 }
 
-/// The triangles whose centroid lies in `box`, with the vertices they use and their attributes.
-inline TriangleMesh cropped(const TriangleMesh& mesh, const Box3& box) {
+/// The triangles that `keep(triangle)` is true of, with the vertices they use and their attributes.
+template <typename Keep>
+TriangleMesh selected(const TriangleMesh& mesh, Keep&& keep) {
   TriangleMesh part;
   std::vector<std::int32_t> renamed(mesh.vertices.size(), -1);
   const bool has_normals = mesh.normals.size() == mesh.vertices.size();
   const bool has_colors = mesh.colors.size() == mesh.vertices.size();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (!box.contains(mesh.centroid(t))) continue;
+    if (!keep(t)) continue;
     Triangle kept;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto v = static_cast<std::size_t>(mesh.triangles[t][k]);
@@ -93,6 +94,11 @@ inline TriangleMesh cropped(const TriangleMesh& mesh, const Box3& box) {
     part.triangles.push_back(kept);
   }
   return part;
+}
+
+/// The triangles whose centroid lies in `box`, with the vertices they use and their attributes.
+inline TriangleMesh cropped(const TriangleMesh& mesh, const Box3& box) {
+  return selected(mesh, [&](std::size_t t) { return box.contains(mesh.centroid(t)); });
 }
 
 /// Area-weighted vertex normals; zero at a vertex that belongs to no proper triangle.

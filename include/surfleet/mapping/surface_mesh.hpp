@@ -71,26 +71,6 @@ class TriangleCells {
   VoxelGrid<std::vector<std::int32_t>, 4> cells_;
 };
 
-/// The triangles whose flag is set, with the vertices they use.
-inline TriangleMesh selected(const TriangleMesh& mesh, const std::vector<std::uint8_t>& keep) {
-  TriangleMesh part;
-  std::vector<std::int32_t> renamed(mesh.vertices.size(), -1);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (keep[t] == 0) continue;
-    Triangle kept = mesh.triangles[t];
-    for (std::int32_t& v : kept) {
-      std::int32_t& name = renamed[static_cast<std::size_t>(v)];
-      if (name < 0) {
-        name = static_cast<std::int32_t>(part.vertices.size());
-        part.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
-      }
-      v = name;
-    }
-    part.triangles.push_back(kept);
-  }
-  return part;
-}
-
 /// Patches through points that the distances do not hold, one axis direction of normals after the
 /// other, so that the two sides of a sheet are two surfaces.
 class PatchMesher {
@@ -131,7 +111,7 @@ class PatchMesher {
           });
         },
         256);
-    return selected(all, keep);
+    return selected(all, [&](std::size_t t) { return keep[t] != 0; });
   }
 
  private:
@@ -219,7 +199,7 @@ inline TriangleMesh extract_surface(const TsdfMap& map, const SurfaceMeshOptions
           });
         },
         256);
-    mesh = detail::selected(mesh, keep);
+    mesh = selected(mesh, [&](std::size_t t) { return keep[t] != 0; });
 
     const detail::TriangleCells cells(mesh, h);
     std::vector<std::uint8_t> wanted(points.size(), 0);

@@ -435,23 +435,12 @@ class BasicIncompleteSurface {
   }
   static void pad(const std::array<const Record*, 27>& around, PaddedBits& occupied,
                   PaddedBits& unknown) {
-    for (int z = -1; z <= 8; ++z) {
-      const int dz = z < 0 ? -1 : z > 7 ? 1 : 0;
-      for (int y = -1; y <= 8; ++y) {
-        const int dy = y < 0 ? -1 : y > 7 ? 1 : 0;
-        const Record* const* three = &around[static_cast<std::size_t>(neighbor_slot(-1, dy, dz))];
-        const std::size_t row = row_of(y & 7, z & 7);
-        const auto join = [](unsigned left, unsigned middle, unsigned right) {
-          return (left >> 7) | (middle << 1) | ((right & 1U) << 9);
-        };
-        const unsigned full =
-            join(three[0]->occupied[row], three[1]->occupied[row], three[2]->occupied[row]);
-        const unsigned free =
-            join(three[0]->empty[row], three[1]->empty[row], three[2]->empty[row]);
-        occupied[padded_row(y, z)] = static_cast<std::uint16_t>(full);
-        unknown[padded_row(y, z)] = static_cast<std::uint16_t>(~(full | free) & 0x3ffU);
-      }
-    }
+    pad(
+        around, [](const Record& r) -> const Bits& { return r.occupied; }, occupied);
+    pad(
+        around, [](const Record& r) -> const Bits& { return r.empty; }, unknown);
+    for (std::size_t row = 0; row < unknown.size(); ++row)
+      unknown[row] = static_cast<std::uint16_t>(~(occupied[row] | unknown[row]) & 0x3ffU);
   }
 
   static std::uint32_t neighbors_in(const PaddedBits& unknown, int x, int y, int z) {
