@@ -13,6 +13,7 @@
 #include "support/cli.hpp"
 #include "support/inspection.hpp"
 #include "support/inspection_report.hpp"
+#include "support/recorded_world.hpp"
 
 namespace {
 using namespace surfleet;
@@ -32,11 +33,14 @@ Arguments arguments(int argc, char** argv) {
       "to --out.\nExit status: 0 done, 2 input refused, 3 ended early.");
   Arguments a;
   InspectionOptions options(app);
+  app.add("--save-images", options.settings.save_images,
+          "folder for the depth images and their poses, as fuse_depth reads them");
   app.add("--out", a.out, "folder for the results");
   app.add_flag("--quiet", a.quiet, "no progress line");
   app.add_config_file();
   app.parse(argc, argv);
   a.settings = options.settle();
+  check_recording(a.settings);
   return a;
 }
 
@@ -47,6 +51,7 @@ int run(int argc, char** argv) {
   // Whatever can be refused is refused before the first file is made.
   site.find_reference(s, site.starts(s, s.robots).front().position);
   const auto out = cli::prepare_output_folder(a.out);
+  if (!s.save_images.empty()) cli::prepare_output_folder(s.save_images);
   cli::watch_interrupts();
   cli::ProgressLine line(!a.quiet);
 

@@ -12,6 +12,7 @@
 #include "support/cli.hpp"
 #include "support/peak_memory.hpp"
 #include "support/planners.hpp"
+#include "support/recorded_world.hpp"
 
 #include <surfleet/evaluation/observable_surface.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
@@ -186,9 +187,9 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
   const std::vector<Configuration> starts = site.starts(s, s.robots);
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
-    DroneWorld<EmbreeRayCaster> world = site.world(s);
-    Mission<AnyPlanner, DroneWorld<EmbreeRayCaster>> mission(mission_options(s, site), world,
-                                                             starts, planner_for(s));
+    RecordedWorld world(site.world(s), s, site.camera);
+    Mission<AnyPlanner, RecordedWorld<DroneWorld<EmbreeRayCaster>>> mission(
+        mission_options(s, site), world, starts, planner_for(s));
     using Clock = std::chrono::steady_clock;
     const auto before = Clock::now();
     Clock::duration watched{};

@@ -89,6 +89,7 @@ struct InspectionSettings : ScenePreset {
   std::string cluster_distance = "straight";
   MergeOptions merge;
   int max_looks = 1;
+  std::string save_images;  ///< Folder for what the cameras see; empty: nowhere.
   /// Whether `utility_share` was asked for, and holds for planners that have one of their own.
   bool utility_share_given = false;
 
