@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <surfleet/mapping/detail/depth_pyramid.hpp>
+#include <surfleet/mapping/detail/pixel_slopes.hpp>
 #include <surfleet/mapping/detail/vector_code.hpp>
 #include <surfleet/mapping/update_policy.hpp>
 
@@ -206,38 +207,6 @@ class ViewedBlockSearch {
   BlockIndex low_, high_;
 };
 
-/// Change of inverse depth a pixel along an image axis; not `known` if neither side tells.
-struct PixelSlope {
-  float value = 0.0F;
-  bool known = false;
-};
-/// The slope along one image axis from `at`, whose coordinate on it is `x`, to `reach` pixels
-/// either side; the straighter side counts more, so that beside a crease the surface the pixel lies
-/// on prevails.
-inline PixelSlope pixel_slope(const float* at, std::int32_t x, std::int32_t size,
-                              std::int32_t stride, float reach, float max_step) {
-  const std::int32_t n = std::clamp(static_cast<std::int32_t>(reach + 0.5F), 1, 64);
-  const std::int32_t half = (n + 1) / 2;
-  const float center = *at;
-  const float per_n = 1.0F / static_cast<float>(n), per_half = 1.0F / static_cast<float>(half);
-  const float limit = max_step * center, per_limit = 1.0F / limit;
-  float sum = 0.0F, weights = 0.0F;
-  // Noise decides what counts: factors in place of branches that nobody could foresee.
-  for (const std::int32_t side : {-1, 1}) {
-    const std::int32_t end = x + side * n;
-    const int inside = int(end >= 0) & int(end < size);
-    const float far = at[inside * side * n * stride], near = at[inside * side * half * stride];
-    const float rise = (far - center) * per_n, start = (near - center) * per_half;
-    const int counts = inside & int(far > 0.0F) & int(near > 0.0F) & int(std::abs(rise) <= limit) &
-                       int(std::abs(start) <= limit);
-    const float bend = std::abs(rise - start) * per_limit + 1e-3F;
-    const float weight = one_if(counts) / (bend * bend);
-    sum += weight * rise * static_cast<float>(side);
-    weights += weight;
-  }
-  return weights > 0.0F ? PixelSlope{sum / weights, true} : PixelSlope{};
-}
-
 /// What a view says of the voxels of one block, slice by slice of constant z index.
 class BlockObserver {
  public:
@@ -355,8 +324,15 @@ class BlockObserver {
       for (std::size_t i = 0; i < kSlice; ++i) sdf[i] = smaller(distance[i], truncation);
       return true;
     }
-    for (std::size_t i = 0; i < kSlice; ++i)
-      if (std::abs(sdf[i]) < slant && seen[i] > 0.0F) refine(i, u[i], v[i], depth[i]);
+    std::array<std::int32_t, kSlice + kPixelLanes> near;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < kSlice; ++i) {
+      near[count] = static_cast<std::int32_t>(i);
+      count += static_cast<std::size_t>(int(std::abs(sdf[i]) < slant) & int(seen[i] > 0.0F));
+    }
+    // The last ones are repeated to fill the lanes.
+    for (std::size_t k = 0; count > 0 && k < kPixelLanes; ++k) near[count + k] = near[count - 1];
+    for (std::size_t k = 0; k < count; k += kPixelLanes) refine(near.data() + k, u, v, depth);
     for (std::size_t i = 0; i < kSlice; ++i) sdf[i] = smaller(sdf[i], truncation);
     return true;
   }
@@ -390,38 +366,72 @@ class BlockObserver {
   }
   /// Interpolates between the four pixels around, where they show one surface, and turns the
   /// distance along the ray into the distance to the surface's tangent plane. Beside a jump of
-  /// depth the nearest pixel's own surface is continued, so that edges are not smeared.
-  void refine(std::size_t i, float u, float v, float depth) {
-    const auto nu = static_cast<std::int32_t>(u + 0.5F), nv = static_cast<std::int32_t>(v + 0.5F);
-    const float* pixel =
-        view_.inverse_depth.data() + static_cast<std::ptrdiff_t>(nv) * view_.width + nu;
-    // The plane q · p = 1 through the surface point, from slopes over half a voxel's width.
-    const float pixels = half_voxel_ * *pixel;
-    const float gu =
-        pixel_slope(pixel, nu, view_.width, 1, pixels * view_.fx, view_.max_step_u).value;
-    const float gv =
-        pixel_slope(pixel, nv, view_.height, view_.width, pixels * view_.fy, view_.max_step_v)
-            .value;
-    float surface = *pixel + gu * (u - static_cast<float>(nu)) + gv * (v - static_cast<float>(nv));
-
-    const auto u0 = static_cast<std::int32_t>(std::max(u, 0.0F));
-    const auto v0 = static_cast<std::int32_t>(std::max(v, 0.0F));
-    if (u >= 0.0F && v >= 0.0F && u0 + 1 < view_.width && v0 + 1 < view_.height) {
-      const float* row =
-          view_.inverse_depth.data() + static_cast<std::ptrdiff_t>(v0) * view_.width + u0;
-      const float a = row[0], b = row[1], c = row[view_.width], d = row[view_.width + 1];
-      const float low = std::min(std::min(a, b), std::min(c, d));
-      const float high = std::max(std::max(a, b), std::max(c, d));
-      if ((low > 0.0F) & (high - low <= (view_.max_step_u + view_.max_step_v) * high)) {
-        const float s = u - static_cast<float>(u0), t = v - static_cast<float>(v0);
-        const float top = a + (b - a) * s, bottom = c + (d - c) * s;
-        surface = top + (bottom - top) * t;
-      }
+  /// depth the nearest pixel's own surface is continued, so that edges are not smeared. For so many
+  /// voxels at a time as there are lanes, some of which may be the same.
+  void refine(const std::int32_t* voxels, const Slice& slice_u, const Slice& slice_v,
+              const Slice& slice_depth) {
+    using Lanes = PixelLanes<float>;
+    using Whole = PixelLanes<std::int32_t>;
+    const std::int32_t width = view_.width, height = view_.height;
+    const float fx = view_.fx, fy = view_.fy, cx = view_.cx, cy = view_.cy;
+    const float half_voxel = half_voxel_, truncation = truncation_;
+    const float* const inverse = view_.inverse_depth.data();
+    Lanes u, v, depth, center, reach_u, reach_v;
+    Whole nu, nv, pixel, corner, in;
+    for (std::size_t i = 0; i < kPixelLanes; ++i) {
+      const auto n = static_cast<std::size_t>(voxels[i]);
+      u[i] = slice_u[n];
+      v[i] = slice_v[n];
+      depth[i] = slice_depth[n];
     }
-    const float qx = gu * view_.fx, qy = gv * view_.fy;
-    const float qz = surface - gu * (u - view_.cx) - gv * (v - view_.cy);
-    const float distance = (1.0F - depth * surface) / std::sqrt(qx * qx + qy * qy + qz * qz);
-    sdf[i] = std::clamp(distance, -truncation_, truncation_);
+    for (std::size_t i = 0; i < kPixelLanes; ++i) {
+      nu[i] = static_cast<std::int32_t>(u[i] + 0.5F);
+      nv[i] = static_cast<std::int32_t>(v[i] + 0.5F);
+      pixel[i] = nv[i] * width + nu[i];
+      const auto u0 = static_cast<std::int32_t>(larger(u[i], 0.0F));
+      const auto v0 = static_cast<std::int32_t>(larger(v[i], 0.0F));
+      in[i] = int(u[i] >= 0.0F) & int(v[i] >= 0.0F) & int(u0 + 1 < width) & int(v0 + 1 < height);
+      corner[i] = in[i] * (v0 * width + u0);
+    }
+    Lanes a, b, c, d;
+    for (std::size_t i = 0; i < kPixelLanes; ++i) {
+      center[i] = inverse[pixel[i]];
+      const float* const row = inverse + corner[i];
+      a[i] = row[0];
+      b[i] = row[in[i]];
+      c[i] = row[in[i] * width];
+      d[i] = row[in[i] * width + in[i]];
+    }
+    // The plane q · p = 1 through the surface point, from slopes over half a voxel's width.
+    for (std::size_t i = 0; i < kPixelLanes; ++i) {
+      const float pixels = half_voxel * center[i];
+      reach_u[i] = pixels * fx;
+      reach_v[i] = pixels * fy;
+    }
+    const PixelSlopes gu = pixel_slopes({inverse, width, 1, view_.max_step_u}, pixel, nu, reach_u);
+    const PixelSlopes gv =
+        pixel_slopes({inverse, height, width, view_.max_step_v}, pixel, nv, reach_v);
+    const float steepest = view_.max_step_u + view_.max_step_v;
+    Lanes result;
+    for (std::size_t i = 0; i < kPixelLanes; ++i) {
+      const float own = center[i] + gu.value[i] * (u[i] - static_cast<float>(nu[i])) +
+                        gv.value[i] * (v[i] - static_cast<float>(nv[i]));
+      const float low = smaller(smaller(a[i], b[i]), smaller(c[i], d[i]));
+      const float high = larger(larger(a[i], b[i]), larger(c[i], d[i]));
+      const int one = in[i] & int(low > 0.0F) & int(high - low <= steepest * high);
+      // Of what is in the image: where it is not, the fractions are not used.
+      const float s = u[i] - static_cast<float>(static_cast<std::int32_t>(larger(u[i], 0.0F)));
+      const float t = v[i] - static_cast<float>(static_cast<std::int32_t>(larger(v[i], 0.0F)));
+      const float top = a[i] + (b[i] - a[i]) * s, bottom = c[i] + (d[i] - c[i]) * s;
+      const float between = top + (bottom - top) * t;
+      const float surface = one != 0 ? between : own;
+      const float qx = gu.value[i] * fx, qy = gv.value[i] * fy;
+      const float qz = surface - gu.value[i] * (u[i] - cx) - gv.value[i] * (v[i] - cy);
+      const float distance = (1.0F - depth[i] * surface) / std::sqrt(qx * qx + qy * qy + qz * qz);
+      result[i] = smaller(larger(distance, -truncation), truncation);
+    }
+    for (std::size_t i = 0; i < kPixelLanes; ++i)
+      sdf[static_cast<std::size_t>(voxels[i])] = result[i];
   }
 
   const ProjectiveView& view_;
