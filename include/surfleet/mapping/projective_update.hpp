@@ -139,10 +139,14 @@ class ProjectiveUpdate {
     hits_.read(view, map.voxel_size(), options.threads);
     std::size_t count = 0;
     std::uint32_t slot = TsdfMap::kNone;
+    std::size_t at = 0;  // in the block's hits, whose keys come in ascending order
     hits_.for_each([&](const BlockIndex& index, std::uint16_t key, const auto& sum) {
-      if (slot == TsdfMap::kNone || map.block(slot).index != index) slot = map.ensure_slot(index);
+      if (slot == TsdfMap::kNone || map.block(slot).index != index) {
+        slot = map.ensure_slot(index);
+        at = 0;
+      }
       TsdfMap::Block& block = map.block(slot);
-      if (!block.layer.ensure(key).take(hits_.hit(sum), options.max_weight)) return;
+      if (!block.layer.ensure_after(key, at).take(hits_.hit(sum), options.max_weight)) return;
       if (block.changed > before) return;
       map.mark_changed(slot);
       ++count;

@@ -81,9 +81,10 @@ struct SurfaceHit {
     add(rays, 1);
     return true;
   }
+  bool may_pass() const { return passed <= 2 * weight; }
   /// Notes `gain` of views through the place, as long as they may still change what is said of it.
   bool pass(std::int64_t gain) {
-    if (passed > 2 * weight) return false;
+    if (!may_pass()) return false;
     passed += gain;
     return true;
   }
@@ -129,6 +130,15 @@ class SurfaceHits {
     const auto it = hits_.begin() + (lower_bound(key) - hits_.begin());
     if (it != hits_.end() && it->key == key) return *it;
     return *hits_.insert(it, SurfaceHit{.key = key});
+  }
+
+  /// The same for ascending keys: `at`, 0 at first, is where the last one was found. O(hits) for
+  /// all of a block's.
+  SurfaceHit& ensure_after(std::uint16_t key, std::size_t& at) {
+    while (at < hits_.size() && hits_[at].key < key) ++at;
+    if (at == hits_.size() || hits_[at].key != key)
+      hits_.insert(hits_.begin() + static_cast<std::ptrdiff_t>(at), SurfaceHit{.key = key});
+    return hits_[at];
   }
 
   /// Adds or takes away sums; what becomes nothing is dropped, so that taking away what was added

@@ -58,7 +58,7 @@ class HitObserver {
     gather();
   }
 
-  /// Calls `fn(block, offset, sum)` for each sum, those of one block in one run.
+  /// Calls `fn(block, key, sum)` for each sum, those of one block in one run, by ascending keys.
   template <typename Fn>
   void for_each(Fn&& fn) const {
     for (const Place& place : order_) {
@@ -347,6 +347,7 @@ inline bool observe_passing(const ProjectiveView& view, double voxel_size, TsdfM
   const int m = std::max(view.margin, 1);
   bool changed = false;
   for (SurfaceHit& hit : block.layer.hits()) {
+    if (!hit.may_pass()) continue;
     const auto o = static_cast<int>(hit.voxel());
     constexpr int kLow = TsdfMap::kBlockSide - 1, kShift = TsdfMap::kBlockShift;
     const Eigen::Vector3d voxel(o & kLow, o >> kShift & kLow, o >> (2 * kShift));
@@ -359,13 +360,16 @@ inline bool observe_passing(const ProjectiveView& view, double voxel_size, TsdfM
     if (!(u >= m - 0.5 && v >= m - 0.5 && u < view.width - m - 0.5 && v < view.height - m - 0.5))
       continue;
     const auto iu = static_cast<int>(u + 0.5), iv = static_cast<int>(v + 0.5);
+    const float* const pixel = view.inverse_depth.data() +
+                               static_cast<std::ptrdiff_t>(iv) * view.width +
+                               static_cast<std::ptrdiff_t>(iu);
+    // Mostly the hit's own surface is what is seen: then those around need not be asked.
+    if (!(*pixel > 0.0F) || 1.0 / static_cast<double>(*pixel) - c.z() <= 0.0) continue;
     float nearest = 0.0F;  // as an inverse depth
     float least = std::numeric_limits<float>::max();
     for (int dv = -1; dv <= 1; ++dv)
       for (int du = -1; du <= 1; ++du) {
-        const float d = view.inverse_depth[static_cast<std::size_t>(iv + dv) *
-                                               static_cast<std::size_t>(view.width) +
-                                           static_cast<std::size_t>(iu + du)];
+        const float d = pixel[dv * view.width + du];
         nearest = std::max(nearest, d);
         least = std::min(least, d);
       }
