@@ -305,8 +305,8 @@ int Fusion::finish(const char* program, const PinholeCamera& camera, const Skipp
   times.fuse = fuse_;
   const auto extracting = Clock::now();
   const double known = s.known();
-  TriangleMesh mesh = extract_surface(map_, {.min_weight = known, .threads = s.threads});
   PointCloud points = extract_points(map_, {.min_weight = known, .threads = s.threads});
+  TriangleMesh mesh = extract_surface(map_, points, {.min_weight = known, .threads = s.threads});
   if (box) {
     mesh = cropped(mesh, *box);
     points = cropped(points, *box);

@@ -309,7 +309,9 @@ class HitObserver {
   /// Where a key is in the table, or is to be.
   std::size_t slot_of(std::uint64_t key) const {
     const std::size_t mask = table_.size() - 1;
-    std::size_t h = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 20) & mask;
+    const auto bits = static_cast<int>(std::bit_width(mask));
+    // The product's highest bits, which all of the key's decide.
+    std::size_t h = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> (64 - bits));
     while (table_[h] != kEmpty && sums_[table_[h]].key != key) h = (h + 1) & mask;
     return h;
   }
