@@ -199,6 +199,16 @@ std::vector<Point3> bulk(const TriangleMesh& mesh) {
   for (int i = 0; i < 8; ++i) corners.push_back(box.corner(static_cast<Box3::CornerType>(i)));
   return corners;
 }
+/// The two directions from which most is to be seen: to either side of the one that the surface
+/// faces as a whole, or opposite ones if it faces none [rad].
+std::array<double, 2> azimuths(const TriangleMesh& mesh) {
+  constexpr double kOneSided = 0.1;  // of the area, as a sum of vectors
+  Eigen::Vector3d faced = Eigen::Vector3d::Zero();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) faced += mesh.area_vector(t);
+  if (faced.head<2>().norm() < kOneSided * mesh.area()) return {radians(-55.0), radians(125.0)};
+  const double middle = std::atan2(faced.y(), faced.x());
+  return {middle - radians(35.0), middle + radians(35.0)};
+}
 /// Over the shoulder of the sensor in the middle of the recording.
 RenderView behind_sensor(const Pose& T_world_camera, const PinholeCamera& camera) {
   RenderView view;
@@ -378,13 +388,12 @@ int Fusion::finish(const char* program, const PinholeCamera& camera, const Skipp
        "from file to mesh"}};
   report.add_key_figures(key);
   const std::vector<Point3> frame = bulk(mesh);
-  for (const double azimuth : {-55.0, 125.0})
+  for (const double azimuth : azimuths(mesh))
     report.add_picture(
-        picture_of(mesh, frame_points(frame, radians(azimuth), radians(35.0), 1000, 700), sensors_,
-                   next),
-        azimuth < 0.0 ? "The surface, the sensor's path (blue) and the next viewpoints; what faces "
-                        "away is left out"
-                      : "From the other side",
+        picture_of(mesh, frame_points(frame, azimuth, radians(35.0), 1000, 700), sensors_, next),
+        "The surface, the sensor's path (blue) and the next viewpoints (orange); what faces away "
+        "is "
+        "left out",
         true);
   report.add_picture(picture_of(mesh, frame_points(frame, radians(-90.0), radians(89.0), 1000, 700),
                                 sensors_, next),

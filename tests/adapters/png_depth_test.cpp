@@ -97,6 +97,13 @@ TEST(png_depths_of_hostile_or_wrong_headers_are_refused) {
                                                {0, 0, 0, 64, 0, 0, 0, 0},
                                                {0, 0, 0, 64, 0, 0, 0, 49}})
     CHECK_THROWS(Error, decode_png_depth(with_header(whole, 16, side), 1000.0));
+  // Refused before there is memory for it, not by libpng afterwards.
+  try {
+    static_cast<void>(
+        decode_png_depth(with_header(whole, 16, {0, 0, 0x40, 0, 0, 0, 0x40, 0}), 1.0));
+  } catch (const Error& e) {
+    CHECK(std::string(e.what()) == "PNG: ends early; expected a complete image");
+  }
   // Eight bits, colour, a palette.
   for (const auto& kind : std::vector<std::vector<unsigned char>>{{8, 0}, {16, 2}, {8, 3}})
     CHECK_THROWS(Error, decode_png_depth(with_header(whole, 24, kind), 1000.0));
