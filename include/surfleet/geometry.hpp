@@ -25,6 +25,7 @@
 #include <surfleet/geometry/polygon_visibility.hpp>
 #include <surfleet/geometry/predicates.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/geometry/text_scanner.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
 #include <surfleet/geometry/triangle_queries.hpp>

@@ -7,19 +7,19 @@
 #include <vector>
 
 #include <surfleet/core/random.hpp>
-#include <surfleet/fleet/flight_lattice.hpp>
-#include <surfleet/fleet/left_below.hpp>
-#include <surfleet/fleet/look_bound.hpp>
-#include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/fleet/rate_then_tours.hpp>
-#include <surfleet/fleet/team_flights.hpp>
-#include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
-#include <surfleet/fleet/unseen_space.hpp>
-#include <surfleet/fleet/view_memory.hpp>
-#include <surfleet/fleet/worth_around.hpp>
+#include <surfleet/geometry/teammate_mask.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/motion/team_flights.hpp>
 #include <surfleet/viewpoint/gain.hpp>
+#include <surfleet/viewpoint/left_below.hpp>
+#include <surfleet/viewpoint/look_bound.hpp>
+#include <surfleet/viewpoint/look_ledger.hpp>
+#include <surfleet/viewpoint/unseen_space.hpp>
+#include <surfleet/viewpoint/view_memory.hpp>
+#include <surfleet/viewpoint/worth_around.hpp>
 
 #include "check.hpp"
 #include "paint_states.hpp"

@@ -9,8 +9,8 @@
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/fleet/opening_look.hpp>
-#include <surfleet/fleet/optimistic_lattice.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/motion/optimistic_lattice.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 
 #include "check.hpp"

@@ -27,17 +27,17 @@
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
-#include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
-#include <surfleet/fleet/teammate_mask.hpp>
+#include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/mapping/tsdf_integrator.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
 #include <surfleet/viewpoint/coverage_estimate.hpp>
+#include <surfleet/viewpoint/look_ledger.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/visibility.hpp>
 

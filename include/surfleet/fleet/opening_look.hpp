@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/space_look.hpp>
+#include <surfleet/viewpoint/space_look.hpp>
 
 namespace surfleet {
 struct OpeningLookOptions {

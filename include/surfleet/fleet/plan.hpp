@@ -13,14 +13,14 @@
 #include <vector>
 
 #include <surfleet/core/error.hpp>
-#include <surfleet/fleet/left_reason.hpp>
-#include <surfleet/fleet/look_ledger.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
+#include <surfleet/viewpoint/left_reason.hpp>
+#include <surfleet/viewpoint/look_ledger.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
 /// One stop of a robot: where to be, and which elements are to be looked at from there.

@@ -15,20 +15,20 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/flight_lattice.hpp>
-#include <surfleet/fleet/left_below.hpp>
-#include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/opening_look.hpp>
-#include <surfleet/fleet/optimistic_lattice.hpp>
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
-#include <surfleet/fleet/team_flights.hpp>
 #include <surfleet/fleet/tour_ahead.hpp>
-#include <surfleet/fleet/unseen_space.hpp>
-#include <surfleet/fleet/worth_around.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/motion/optimistic_lattice.hpp>
 #include <surfleet/motion/taut_path.hpp>
+#include <surfleet/motion/team_flights.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
+#include <surfleet/viewpoint/left_below.hpp>
+#include <surfleet/viewpoint/look_bound.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>
+#include <surfleet/viewpoint/unseen_space.hpp>
+#include <surfleet/viewpoint/worth_around.hpp>
 
 namespace surfleet {
 /// Of one drone alone in a region that has to be climbed.

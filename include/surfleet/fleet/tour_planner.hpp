@@ -17,11 +17,11 @@
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/improve_allocation.hpp>
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/view_access.hpp>
-#include <surfleet/fleet/view_memory.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
+#include <surfleet/viewpoint/view_access.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
+#include <surfleet/viewpoint/view_memory.hpp>
 #include <surfleet/viewpoint/viewpoint_clustering.hpp>
 #include <surfleet/viewpoint/viewpoint_cover.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>

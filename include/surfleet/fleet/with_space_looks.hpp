@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/space_look.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/viewpoint/space_look.hpp>
 
 namespace surfleet {
 struct SpaceLooksOptions {

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/flight_lattice.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/free_space.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
 /// The space of a map in cells of two voxels each way; a cell is what its first voxel is. Remembers

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include <surfleet/core/types.hpp>
-#include <surfleet/fleet/left_reason.hpp>
 #include <surfleet/mapping/voxel_grid.hpp>
+#include <surfleet/viewpoint/left_reason.hpp>
 
 namespace surfleet {
 struct LookLedgerOptions {

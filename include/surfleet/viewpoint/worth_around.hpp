@@ -7,8 +7,8 @@
 #include <span>
 
 #include <surfleet/core/types.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/mapping/voxel_grid.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
 /// The worth of all targets in the cell of a place and the 26 around it: no look that reaches no

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 
 #include "check.hpp"
 

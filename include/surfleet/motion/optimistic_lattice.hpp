@@ -11,7 +11,7 @@
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/types.hpp>
-#include <surfleet/fleet/flight_lattice.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/free_space.hpp>
 
 namespace surfleet {

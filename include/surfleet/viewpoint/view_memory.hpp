@@ -13,11 +13,11 @@
 #include <vector>
 
 #include <surfleet/core/types.hpp>
-#include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/mapping/voxel_grid.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
+#include <surfleet/viewpoint/look_ledger.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/viewpoint.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include <surfleet/core/types.hpp>
-#include <surfleet/fleet/flight_lattice.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
 /// From a node of a flight lattice and a heading no more is in view than the worth of all targets
