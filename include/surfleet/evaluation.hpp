@@ -5,6 +5,7 @@
 
 #include <surfleet/evaluation/fwd.hpp>
 
+#include <surfleet/evaluation/best_heading_view.hpp>
 #include <surfleet/evaluation/color_map.hpp>
 #include <surfleet/evaluation/image.hpp>
 #include <surfleet/evaluation/m3c2.hpp>
@@ -13,7 +14,9 @@
 #include <surfleet/evaluation/plot.hpp>
 #include <surfleet/evaluation/published_figures.hpp>
 #include <surfleet/evaluation/rasterizer.hpp>
+#include <surfleet/evaluation/reachable_lattice.hpp>
 #include <surfleet/evaluation/reconstruction_metrics.hpp>
+#include <surfleet/evaluation/render_view.hpp>
 #include <surfleet/evaluation/report.hpp>
 #include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/evaluation/surface_sampling.hpp>
