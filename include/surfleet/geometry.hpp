@@ -23,8 +23,10 @@
 #include <surfleet/geometry/polygon_geodesic.hpp>
 #include <surfleet/geometry/polygon_trapezoids.hpp>
 #include <surfleet/geometry/polygon_visibility.hpp>
+#include <surfleet/geometry/pose_io.hpp>
 #include <surfleet/geometry/predicates.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/geometry/stamped_files.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/geometry/text_scanner.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
