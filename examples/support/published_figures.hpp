@@ -15,7 +15,7 @@
 #include <surfleet/evaluation/report.hpp>
 #include <surfleet/evaluation/statistics.hpp>
 
-namespace surfleet {
+namespace surfleet::examples {
 /// One column of a published table; NaN where the table prints nothing.
 struct PublishedRun {
   std::string_view environment;  ///< "powerplant", "statue", "arena" or "parking".
@@ -146,4 +146,4 @@ inline Table comparison_table(std::string_view environment, std::span<const OwnR
           std::string(run.planner) + (run.noisy ? "" : ", no noise"), run);
   return table;
 }
-}  // namespace surfleet
+}  // namespace surfleet::examples

@@ -12,7 +12,6 @@
 #include <surfleet/evaluation/observable_surface.hpp>
 #include <surfleet/evaluation/oriented_coverage.hpp>
 #include <surfleet/evaluation/plot.hpp>
-#include <surfleet/evaluation/published_figures.hpp>
 #include <surfleet/evaluation/rasterizer.hpp>
 #include <surfleet/evaluation/reachable_lattice.hpp>
 #include <surfleet/evaluation/reconstruction_metrics.hpp>
