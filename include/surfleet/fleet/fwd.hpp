@@ -6,23 +6,24 @@
 #include <cstdint>
 
 namespace surfleet {
+struct AgentOptions;
 struct CoverageTour;
 struct CoverageTourOptions;
+struct KindSpace;
 struct KnownSurface;
 struct LoneClimbOptions;
-struct MissionOptions;
-struct MissionProgress;
-struct MissionResult;
 struct OpeningLookOptions;
 class OpeningLooks;
-struct PlanRequest;
-struct PlanResult;
+struct Plan;
 class RatePlanner;
 struct RatePlannerOptions;
-struct RobotRequest;
+struct ReplanRule;
+struct RobotKind;
+struct RobotState;
 struct SpaceLooksOptions;
 struct Stop;
-struct TimedConfiguration;
+class SurfaceBelief;
+struct SurfaceBeliefOptions;
 struct TourAheadOptions;
 struct TourAheadStop;
 struct TourPlannerOptions;

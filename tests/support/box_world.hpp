@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include <surfleet/fleet/mission.hpp>
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
+#include <surfleet/simulation/mission.hpp>
 
 namespace box_world {
 inline surfleet::Box3 box() {
@@ -38,14 +38,16 @@ struct World {
 
 inline surfleet::MissionOptions options(const World& world) {
   surfleet::MissionOptions o;
-  o.camera = world.camera;
-  o.voxel_size = 0.2;
-  o.tsdf.truncation = 0.6;
-  o.body_radius = 0.4;
+  o.kind.camera = world.camera;
+  o.belief.voxel_size = 0.2;
+  o.belief.tsdf.truncation = 0.6;
+  o.kind.body_radius = 0.4;
   o.start_clearance = 1.9;  // as far as it takes until the image is as high as the body
-  o.limits.speed = 1.0;
-  o.region = surfleet::Box3(surfleet::Point3(-2.0, -1.5, -0.3), surfleet::Point3(2.0, 1.5, 2.3));
-  o.bounds = surfleet::Box3(surfleet::Point3(-5.0, -5.0, -3.0), surfleet::Point3(5.0, 5.0, 5.0));
+  o.kind.limits.speed = 1.0;
+  o.belief.region =
+      surfleet::Box3(surfleet::Point3(-2.0, -1.5, -0.3), surfleet::Point3(2.0, 1.5, 2.3));
+  o.kind.bounds =
+      surfleet::Box3(surfleet::Point3(-5.0, -5.0, -3.0), surfleet::Point3(5.0, 5.0, 5.0));
   o.max_time = 600.0;
   return o;
 }

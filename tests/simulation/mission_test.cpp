@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <surfleet/fleet/mission.hpp>
+#include <surfleet/simulation/simulation.hpp>
 
 #include <algorithm>
 #include <array>
@@ -21,12 +21,14 @@ namespace {
 using namespace surfleet;
 using box_world::World;
 
+/// The same for the whole team.
+Plan for_all(const SurfaceSituation& situation, const Stops& route) {
+  Plan plan;
+  for (const RobotState& robot : situation.team) plan.routes[robot.id] = route;
+  return plan;
+}
 struct NoPlan {
-  PlanResult operator()(const PlanRequest& request) {
-    PlanResult r;
-    r.routes.assign(request.robots.size(), Stops{});
-    return r;
-  }
+  Plan operator()(const SurfaceSituation& situation) { return for_all(situation, {}); }
 };
 static_assert(FleetPlanner<NoPlan> && !FleetPlanner<int>);
 static_assert(WorldModel<World> && !WorldModel<NoPlan>);
@@ -34,7 +36,7 @@ static_assert(FleetPlanner<RatePlanner> && FleetPlanner<TsgaPlanner>);
 static_assert(FleetPlanner<WithSpaceLooks<NoPlan>>);
 
 /// Compiled once for all planners; `NoPlan` flies a mission of its own type.
-using AnyMission = Mission<AnyPlanner, World>;
+using AnyMission = Simulation<AnyPlanner, World>;
 
 /// The share of the box's surface that is mapped within a voxel.
 double mapped_share(const World& world, const TsdfMap& map) {
@@ -64,7 +66,7 @@ MissionResult fly(int robots, const AnyPlanner& planner, int threads, double lea
     for (std::size_t k = 0; k < result.trajectories[r].size(); ++k) {
       const Point3& p = result.trajectories[r][k].configuration.position;
       CHECK(world.bvh.distance(p) > 0.4);
-      CHECK(o.bounds.contains(p));
+      CHECK(o.kind.bounds.contains(p));
       for (std::size_t s = 0; s < r; ++s)
         CHECK((result.trajectories[s][k].configuration.position - p).norm() > 0.8);
     }
@@ -116,7 +118,7 @@ TEST(threads_change_nothing) {
 TEST(a_planner_without_plans_ends_the_mission_with_reasons) {
   for (const int robots : {1, 3}) {
     World world;
-    Mission<NoPlan, World> mission(box_world::options(world), world, box_world::starts(robots));
+    Simulation<NoPlan, World> mission(box_world::options(world), world, box_world::starts(robots));
     const MissionResult result = mission.run();
     CHECK(result.complete);
     CHECK(result.remaining > 0);
@@ -132,9 +134,9 @@ TEST(a_planner_that_answers_amiss_is_refused) {
     AnyMission mission(box_world::options(world), world, box_world::starts(2), std::move(planner));
     mission.run();
   };
-  CHECK_THROWS(Error, fly([](const PlanRequest&) { return PlanResult{}; }));
+  CHECK_THROWS(Error, fly([](const SurfaceSituation&) { return Plan{}; }));
   CHECK_THROWS(Error, fly(AnyPlanner()));
-  CHECK_THROWS(Error, fly(WithSpaceLooks([](const PlanRequest&) { return PlanResult{}; })));
+  CHECK_THROWS(Error, fly(WithSpaceLooks([](const SurfaceSituation&) { return Plan{}; })));
 }
 /// A patch of one wall that no image shows.
 struct Glass : World {
@@ -155,10 +157,10 @@ struct Glass : World {
 TEST(a_stop_that_may_not_last_as_long_as_it_should_is_a_look_in_vain) {
   Glass world;
   MissionOptions options = box_world::options(world);
-  options.image_period = 4.0;  // three images in the longest stay
+  options.agent.image_period = 4.0;  // three images in the longest stay
   options.max_time = 2000.0;
-  Mission<AnyPlanner, Glass> mission(options, world, box_world::starts(1),
-                                     TsgaPlanner(tour_options()));
+  Simulation<AnyPlanner, Glass> mission(options, world, box_world::starts(1),
+                                        TsgaPlanner(tour_options()));
   const MissionResult result = mission.run();
   CHECK(result.complete && result.path_length[0] > 2.0);
   CHECK(result.reasons.count(LeftReason::not_attempted) == 0);
@@ -167,7 +169,7 @@ TEST(a_stop_that_may_not_last_as_long_as_it_should_is_a_look_in_vain) {
 TEST(looks_at_space_widen_what_is_known_and_come_to_an_end) {
   World world;
   const MissionOptions o = box_world::options(world);
-  Mission<NoPlan, World> still(o, world, box_world::starts(2));
+  Simulation<NoPlan, World> still(o, world, box_world::starts(2));
   still.run();
   WithSpaceLooks<NoPlan> looks(NoPlan{}, {.distance = 2.0});
   AnyMission mission(o, world, box_world::starts(2), std::ref(looks));
@@ -184,8 +186,8 @@ TEST(a_part_that_stands_by_itself_is_found_in_unseen_space) {
   append(world.mesh, make_box({middle - Point3::Ones(), middle + Point3::Ones()}));
   world.bvh = Bvh(world.mesh);
   MissionOptions o = box_world::options(world);
-  o.region.max().x() = 13.5;
-  o.bounds.max().x() = 17.0;
+  o.belief.region.max().x() = 13.5;
+  o.kind.bounds.max().x() = 17.0;
   const auto finds_it = [&](double space_worth) {
     RatePlanner planner;
     planner.options.space_worth = space_worth;
@@ -201,12 +203,12 @@ struct Again {
   RatePlanner inner;
   int* longest = nullptr;
   int row = 0;
-  PlanResult operator()(const PlanRequest& request) {
-    PlanResult result = inner(request);
-    for (std::size_t r = 0; r < request.robots.size(); ++r) {
-      if (!request.robots[r].idle || !result.routes[r] || result.routes[r]->empty()) continue;
-      const Configuration& to = result.routes[r]->front().configuration;
-      const Configuration& at = request.robots[r].configuration;
+  Plan operator()(const SurfaceSituation& situation) {
+    Plan result = inner(situation);
+    for (const RobotId r : situation.asked) {
+      if (result.routes.at(r).empty()) continue;
+      const Configuration& to = result.routes.at(r).front().configuration;
+      const Configuration& at = situation.robot(r).at;
       row = (to.position - at.position).norm() < 1e-6 && std::abs(to.yaw - at.yaw) < 1e-6 ? row + 1
                                                                                           : 0;
       *longest = std::max(*longest, row);
@@ -228,15 +230,13 @@ struct NowhereFirst {
   int wrong = 0;
   int* calls = nullptr;
   RatePlanner then;
-  PlanResult operator()(const PlanRequest& request) {
-    if (++*calls > wrong) return then(request);
-    PlanResult r;
+  Plan operator()(const SurfaceSituation& situation) {
+    if (++*calls > wrong) return then(situation);
     Stop inside_the_box{{box_world::box().center(), 0.0}, {}};
     for (const IncompleteElement& e :
-         request.work.first(std::min<std::size_t>(5, request.work.size())))
+         situation.goals.first(std::min<std::size_t>(5, situation.goals.size())))
       inside_the_box.targets.push_back(e.voxel);
-    r.routes.assign(request.robots.size(), Stops{inside_the_box});
-    return r;
+    return for_all(situation, Stops{inside_the_box});
   }
 };
 TEST(a_plan_that_cannot_be_flown_is_not_the_last_word) {
@@ -260,15 +260,13 @@ struct SecondThoughts {
   Eigen::Vector3d then;
   bool turn_in_flight;
   std::vector<double>* asked;
-  PlanResult operator()(const PlanRequest& request) {
-    PlanResult r;
+  Plan operator()(const SurfaceSituation& situation) {
+    Plan r = for_all(situation, {});
     r.replan.turn_in_flight = turn_in_flight;
-    r.routes.assign(request.robots.size(), Stops{});
     const std::array<Eigen::Vector3d, 2> aside{Eigen::Vector3d(0, -3, 0), then};
     if (asked->size() < aside.size())
-      r.routes[0] =
-          Stops{{{request.robots[0].configuration.position + aside[asked->size()], 0.0}, {}}};
-    asked->push_back(request.time);
+      r.routes[0] = Stops{{{situation.team[0].at.position + aside[asked->size()], 0.0}, {}}};
+    asked->push_back(situation.time);
     return r;
   }
 };
@@ -301,10 +299,10 @@ TEST(a_robot_turns_in_flight_to_what_lies_ahead) {
 struct Twice {
   TsgaPlanner as_clustered{tour_options()}, reordered{tour_options()};
   double* saved = nullptr;
-  PlanResult operator()(const PlanRequest& request) {
+  Plan operator()(const SurfaceSituation& situation) {
     reordered.options.reorder_stops = true;
-    const PlanResult a = as_clustered(request);
-    PlanResult b = reordered(request);
+    const Plan a = as_clustered(situation);
+    Plan b = reordered(situation);
     const auto places = [](const Stops& route) {
       std::vector<std::array<double, 4>> list;
       for (const Stop& s : route) {
@@ -314,17 +312,17 @@ struct Twice {
       std::sort(list.begin(), list.end());
       return list;
     };
-    for (std::size_t r = 0; r < request.robots.size(); ++r) {
-      CHECK(a.routes[r].has_value() == b.routes[r].has_value());
-      if (!a.routes[r]) continue;
-      CHECK(places(*a.routes[r]) == places(*b.routes[r]));
-      const auto length = [&](const Stops& route) {
-        std::vector<Point3> points{request.robots[r].configuration.position};
-        for (const Stop& s : route) points.push_back(s.configuration.position);
+    CHECK(a.routes.size() == b.routes.size());
+    for (const auto& [robot, route] : b.routes) {
+      const Stops& other = a.routes.at(robot);
+      CHECK(places(other) == places(route));
+      const auto length = [&](const Stops& stops) {
+        std::vector<Point3> points{situation.robot(robot).at.position};
+        for (const Stop& stop : stops) points.push_back(stop.configuration.position);
         return polyline_length(points);
       };
-      CHECK(length(*b.routes[r]) <= length(*a.routes[r]) + 1e-9);
-      *saved += length(*a.routes[r]) - length(*b.routes[r]);
+      CHECK(length(route) <= length(other) + 1e-9);
+      *saved += length(other) - length(route);
     }
     return b;
   }
@@ -344,23 +342,23 @@ struct Scripted {
   std::optional<double> utility_share;
   double last_rate() const { return rate; }
   double broadest_look() const { return look; }
-  PlanResult operator()(const PlanRequest& request) {
-    return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{Stop{}}),
-            {},
-            {.utility_share = utility_share, .watch_on = true}};
+  Plan operator()(const SurfaceSituation& situation) {
+    Plan plan = for_all(situation, Stops{Stop{}});
+    plan.replan = {.utility_share = utility_share, .watch_on = true};
+    return plan;
   }
 };
 /// Passes a request on to planners of its own.
 struct AskedOnce {
-  PlanResult operator()(const PlanRequest& request) {
+  Plan operator()(const SurfaceSituation& situation) {
     using Planner = RateThenTours<Scripted, NoPlan>;
     const auto ask = [&](Planner& p, double rate, double look, int times) {
       p.first.rate = rate;
       p.first.look = look;
       bool all = true, any = false;
       for (int i = 0; i < times; ++i) {
-        const PlanResult result = p(request);
-        const bool toured = !result.routes[0] || result.routes[0]->empty();
+        const Plan result = p(situation);
+        const bool toured = result.routes.at(0).empty();
         CHECK(toured == p.touring());
         // Whichever was asked.
         CHECK(result.replan.utility_share == p.first.utility_share.value_or(p.lone_utility_share));
@@ -382,7 +380,7 @@ struct AskedOnce {
     Planner q;
     CHECK(!ask(q, 4.0, 40.0, 1).second);
     CHECK(ask(q, 0.0, 0.0, 1).first);  // nothing at all
-    return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{}), {}};
+    return for_all(situation, {});
   }
 };
 TEST(tours_take_over_when_nothing_broad_is_left_and_give_way_again) {
@@ -395,56 +393,52 @@ struct Counting {
   bool tours = false, finds = true;
   std::size_t asked = 0, work = 0;
   bool touring() const { return tours; }
-  ReplanRule rule(const PlanRequest&) const { return {.utility_share = 0.25}; }
-  PlanResult operator()(const PlanRequest& request) {
-    PlanResult result;
-    result.routes.resize(request.robots.size());
-    result.replan = rule(request);
-    asked = 0;
-    work = request.work.size();
-    for (std::size_t r = 0; r < request.robots.size(); ++r)
-      if (request.robots[r].idle) {
-        ++asked;
-        result.routes[r] = Stops(finds ? 1 : 0);
-      }
+  ReplanRule rule(const SurfaceSituation&) const { return {.utility_share = 0.25}; }
+  Plan operator()(const SurfaceSituation& situation) {
+    Plan result;
+    result.replan = rule(situation);
+    asked = situation.asked.size();
+    work = situation.goals.size();
+    for (const RobotId r : situation.asked) result.routes[r] = Stops(finds ? 1 : 0);
     return result;
   }
 };
 /// Asks on behalf of five robots, 100 m from where the work is left, with so much work there and
 /// with themselves.
 struct AskedForFive {
-  PlanResult operator()(const PlanRequest& still) {
-    std::vector<RobotRequest> robots(5);
-    for (int r = 0; r < 5; ++r)
-      robots[static_cast<std::size_t>(r)].configuration.position = Point3(100.0 + r, 0, 0);
+  Plan operator()(const SurfaceSituation& still) {
+    std::vector<RobotState> robots(5);
+    for (RobotId r = 0; r < 5; ++r) robots[r] = {.id = r, .at = {Point3(100.0 + r, 0, 0), 0.0}};
+    const std::vector<RobotId> all{0, 1, 2, 3, 4};
     std::vector<IncompleteElement> work;
     const auto ask = [&](auto& planner, int behind, int ahead, bool waiting = true) {
       work.assign(static_cast<std::size_t>(behind), {});
       work.resize(static_cast<std::size_t>(behind + ahead), {.position = Point3(101, 0, 0)});
-      for (RobotRequest& r : robots) r.idle = waiting;
-      PlanRequest request = still;
-      request.work = work;
-      request.robots = robots;
-      return planner(request);
+      SurfaceSituation situation = still;
+      situation.goals = work;
+      situation.team = robots;
+      situation.asked = std::span(all).first(waiting ? robots.size() : 0);
+      return planner(situation);
     };
-    using Crew = std::vector<std::size_t>;
+    using Crew = std::vector<RobotId>;
     ToursBehind<Counting, Counting> p;
     ask(p, 10, 0);
     CHECK(p.crew().empty() && p.front.asked == 5);  // the box is no tower
     p.options.least_height = 0.0;
     ask(p, 2, 8);
     CHECK(p.crew().empty() && p.front.asked == 5);
-    PlanResult result = ask(p, 3, 7);  // more than a fifth
-    CHECK(p.crew() == Crew{0});        // the nearest
+    Plan result = ask(p, 3, 7);  // more than a fifth
+    CHECK(p.crew() == Crew{0});  // the nearest
     CHECK(p.behind.asked == 1 && p.behind.work == 3);
     CHECK(p.front.asked == 4 && p.front.work == 10);
-    for (const auto& route : result.routes) CHECK(route && route->size() == 1);
+    CHECK(result.routes.size() == 5);
+    for (const auto& [robot, route] : result.routes) CHECK(route.size() == 1);
     CHECK(result.replan.utility_share == 0.25);
     ask(p, 4, 6);
     CHECK(p.crew() == Crew{0});
     result = ask(p, 5, 5, false);  // nobody waits, but a second one is wanted there
     CHECK((p.crew() == Crew{0, 1}));
-    CHECK(!result.routes[0] && result.routes[1] && !result.routes[2]);
+    CHECK(result.routes.size() == 1 && result.routes.contains(1));
     CHECK(result.replan.utility_share == 0.25);
     ask(p, 10, 0);
     ask(p, 10, 0);
@@ -452,7 +446,8 @@ struct AskedForFive {
     p.behind.finds = false;
     result = ask(p, 10, 0);
     CHECK(p.crew().empty() && p.front.asked == 5);  // those with nothing to do there come back
-    for (const auto& route : result.routes) CHECK(route && route->size() == 1);
+    CHECK(result.routes.size() == 5);
+    for (const auto& [robot, route] : result.routes) CHECK(route.size() == 1);
     p.behind.finds = true;
     ask(p, 10, 0);
     CHECK(p.crew().empty());  // not for what nothing could be done about
@@ -466,7 +461,7 @@ struct AskedForFive {
     two.options.least_height = 0.0;
     ask(two, 10, 0);
     CHECK(two.crew().empty() && two.front.asked == 2);
-    return {std::vector<std::optional<Stops>>(still.robots.size(), Stops{}), {}};
+    return for_all(still, {});
   }
 };
 TEST(some_of_a_team_tour_what_is_left_behind) {
@@ -489,12 +484,12 @@ TEST(bad_options_are_refused) {
     MissionOptions o = box_world::options(world);
     change(o);
     const auto starts = box_world::starts(robots);
-    Mission<NoPlan, World> mission(o, world, starts);
+    Simulation<NoPlan, World> mission(o, world, starts);
   };
   CHECK_THROWS(Error, with([](MissionOptions&) {}, 0));
-  CHECK_THROWS(Error, with([](MissionOptions& o) { o.voxel_size = -0.3; }, 1));
-  CHECK_THROWS(Error, with([](MissionOptions& o) { o.image_period = 0.0; }, 1));
-  CHECK_THROWS(Error, with([](MissionOptions& o) { o.bounds = Box3(); }, 1));
-  CHECK_THROWS(Error, with([](MissionOptions& o) { o.limits.speed = 0.0; }, 1));
+  CHECK_THROWS(Error, with([](MissionOptions& o) { o.belief.voxel_size = -0.3; }, 1));
+  CHECK_THROWS(Error, with([](MissionOptions& o) { o.agent.image_period = 0.0; }, 1));
+  CHECK_THROWS(Error, with([](MissionOptions& o) { o.kind.bounds = Box3(); }, 1));
+  CHECK_THROWS(Error, with([](MissionOptions& o) { o.kind.limits.speed = 0.0; }, 1));
 }
 }  // namespace
