@@ -449,7 +449,9 @@ struct SendAll {
   double last_rate() const { return rate; }
   double broadest_look() const { return rate; }
   Plan operator()(const SurfaceSituation& situation) const {
-    return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{{{goal, 0.0}, {}}}), {}};
+    Plan plan;
+    for (const RobotState& robot : situation.team) plan.routes[robot.id] = Stops{{{goal, 0.0}, {}}};
+    return plan;
   }
 };
 TEST(nobody_leaves_a_tour_for_what_is_broad_but_far) {
