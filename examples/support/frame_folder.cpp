@@ -122,12 +122,13 @@ DepthFolder open_depth_folder(const fs::path& folder, double max_time_off, Skipp
   DepthFolder found;
   std::error_code ec;
   const std::vector<fs::path> images = files_ending_in(folder, std::array{kDepth});
-  if (!images.empty() || !files_ending_in(folder, std::array{kPose}).empty()) {
+  const std::vector<fs::path> poses = files_ending_in(folder, std::array{kPose});
+  if (!images.empty() || !poses.empty()) {
     double number = 0.0;
     for (const fs::path& image : images)
       add_with_pose_file(image, without(image, kDepth) + std::string(kPose), number++, skipped,
                          found.frames);
-    for (const fs::path& pose : files_ending_in(folder, std::array{kPose})) {
+    for (const fs::path& pose : poses) {
       const fs::path image = without(pose, kPose) + std::string(kDepth);
       if (!fs::exists(image, ec))
         skipped.add("no_image", image.string() + ": no such file; expected the image of " +

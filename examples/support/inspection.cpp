@@ -206,10 +206,12 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     run.map = mission.take_map();
     run.mission_memory = peak_memory();
   }
-  run.reconstruction = reconstruction_of(run.map, s, site.scene.region);
-  run.points =
-      cropped(extract_points(run.map, {.min_weight = s.known_weight, .threads = s.threads}),
-              site.scene.region);
+  const PointCloud points =
+      extract_points(run.map, {.min_weight = s.known_weight, .threads = s.threads});
+  run.reconstruction = cropped(
+      extract_surface(run.map, points, {.min_weight = s.known_weight, .threads = s.threads}),
+      site.scene.region);
+  run.points = cropped(points, site.scene.region);
   return run;
 }
 

@@ -34,17 +34,12 @@ class DistanceTransform {
         outside_(obstacle_outside) {}
 
   const Grid& grid() const { return grid_; }
-  int reach() const { return reach_; }
   /// The squared distance where there is no block.
   std::int16_t outside() const { return static_cast<std::int16_t>(outside_ ? 0 : reach_ * reach_); }
   BlockBits outside_bits() const {
     BlockBits bits;
     bits.fill(outside_ ? 0xFF : 0x00);
     return bits;
-  }
-  BlockBits bits(const BlockIndex& index) const {
-    const std::uint32_t slot = grid_.find_slot(index);
-    return slot == Grid::kNone ? outside_bits() : bits_[slot];
   }
   bool is_obstacle(const VoxelIndex& v) const {
     const std::uint32_t slot = grid_.find_slot(Grid::block_of(v));

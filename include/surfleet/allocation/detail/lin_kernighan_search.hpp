@@ -107,6 +107,28 @@ class LinKernighanSearch : private SegmentTour {
     heads_.push_back(s.v);
     heads_.push_back(s.y);
   }
+  /// Calls `use(step, gain)` for the steps from the path t2 … t1 that keep a partial gain, `open`
+  /// being that so far and `gain` what closing the tour after the step leaves of it. Arcs into
+  /// heads that are `spared(head)` are not removed.
+  template <typename Spared, typename Use>
+  void for_each_step(int t1, int t2, double open, const Spared& spared, const Use& use) const {
+    for (const auto& [v, cost_v] : candidates_[t1]) {
+      const double g1 = open - cost_v;
+      if (g1 <= tolerance_) break;
+      if (v == t2 || spared(v)) continue;
+      const int u = previous(v);
+      const double g2 = g1 + costs_(u, v);
+      const int at_v = offset(v, t2);
+      for (const auto& [y, cost_y] : candidates_[u]) {
+        const double g3 = g2 - cost_y;
+        if (g3 <= tolerance_) break;
+        if (offset(y, t2) <= at_v || spared(y)) continue;
+        const int x = previous(y);
+        const double next_open = g3 + costs_(x, y);
+        use(Step{v, y, next_open}, next_open - costs_(x, t2));
+      }
+    }
+  }
   void keep(double gain) {
     length_ -= gain;
     for (const int t : touched_) enqueue(t);
@@ -122,23 +144,11 @@ class LinKernighanSearch : private SegmentTour {
     // Three arcs: take the best.
     Step best;
     double best_gain = tolerance_;
-    for (const auto& [v, cost_v] : candidates_[t1]) {
-      const double g1 = removed - cost_v;
-      if (g1 <= tolerance_) break;
-      if (v == t2) continue;
-      const int u = previous(v);
-      const double g2 = g1 + costs_(u, v);
-      const int at_v = offset(v, t2);
-      for (const auto& [y, cost_y] : candidates_[u]) {
-        const double g3 = g2 - cost_y;
-        if (g3 <= tolerance_) break;
-        if (offset(y, t2) <= at_v) continue;
-        const int x = previous(y);
-        const double open = g3 + costs_(x, y);
-        const double gain = open - costs_(x, t2);
-        if (gain > best_gain) best_gain = gain, best = {v, y, open};
-      }
-    }
+    for_each_step(
+        t1, t2, removed, [](int) { return false; },
+        [&](const Step& step, double gain) {
+          if (gain > best_gain) best_gain = gain, best = step;
+        });
     if (best.v >= 0) {
       carry_out(t2, best);
       keep(best_gain);
@@ -218,30 +228,16 @@ class LinKernighanSearch : private SegmentTour {
       Step best;
       double best_gain = tolerance_;
       bool closes = false;
-      for (const auto& [v, cost_v] : candidates_[t1]) {
-        const double g1 = open - cost_v;
-        if (g1 <= tolerance_) break;
-        if (v == t2) continue;
-        const int u = previous(v);
-        if (was_added(v)) continue;
-        const double g2 = g1 + costs_(u, v);
-        const int at_v = offset(v, t2);
-        for (const auto& [y, cost_y] : candidates_[u]) {
-          const double g3 = g2 - cost_y;
-          if (g3 <= tolerance_) break;
-          if (offset(y, t2) <= at_v) continue;
-          const int x = previous(y);
-          if (was_added(y)) continue;
-          const double next_open = g3 + costs_(x, y);
-          const double gain = next_open - costs_(x, t2);
-          if (gain > tolerance_ ? (!closes || gain > best_gain)
-                                : (!closes && next_open > best_gain)) {
-            closes = gain > tolerance_;
-            best_gain = closes ? gain : next_open;
-            best = {v, y, next_open};
-          }
-        }
-      }
+      for_each_step(
+          t1, t2, open, [this](int head) { return was_added(head); },
+          [&](const Step& step, double gain) {
+            if (gain > tolerance_ ? (!closes || gain > best_gain)
+                                  : (!closes && step.open_gain > best_gain)) {
+              closes = gain > tolerance_;
+              best_gain = closes ? gain : step.open_gain;
+              best = step;
+            }
+          });
       if (best.v < 0) break;
       carry_out(t2, best);
       if (closes) {
