@@ -44,7 +44,7 @@ Surface read_surface(const std::string& path, double known_weight) {
   bool cloud = extension == ".xyz";
   if (extension == ".ply") {
     const Bytes bytes = read_file(path);
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string_view text = text_of(bytes);
     const std::string_view header = text.substr(0, text.find("end_header"));
     cloud = header.find("element face 0\n") != header.npos ||
             header.find("element face 0\r") != header.npos ||

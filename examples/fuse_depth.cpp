@@ -3,36 +3,22 @@
 // Recorded depth images with poses become a map, a mesh, points, a report and the next viewpoints.
 //
 //   fuse_depth DIR --intrinsics 585 585 320 240 --up 0 -1 0 --out out/room
-#include <chrono>
 #include <cmath>
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "support/ahead.hpp"
 #include "support/cli.hpp"
 #include "support/frame_folder.hpp"
 #include "support/fusion.hpp"
+#include "support/reading.hpp"
+#include "support/stopwatch.hpp"
 
 #include <surfleet/adapters/png_depth.hpp>
 
 namespace {
 using namespace surfleet;
 using namespace surfleet::examples;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// A decoded image, or why there is none.
-struct Decoded {
-  std::optional<DepthImage> image;
-  std::string why;
-  double seconds = 0.0;
-};
-
 int run(int argc, char** argv) {
   cli::Options app(
       "Recorded depth images with poses become a map, a mesh, points, a report and the next "
@@ -80,35 +66,18 @@ int run(int argc, char** argv) {
 
   Fusion fusion(s);
   FusionTimes times;
-  cli::watch_interrupts();
-  {
-    cli::ProgressLine line(!s.quiet);
-    // On one thread, reading and fusing take turns.
-    Ahead<Decoded> images(folder.frames.size(), s.threads == 1, [&](std::size_t i) {
-      const auto before = Clock::now();
-      Decoded d;
-      try {
-        const std::string name = folder.frames[i].file.string();
-        d.image = decode_png_depth(read_file(name), scale, name);
-      } catch (const Error& e) {
-        d.why = e.what();
-      }
-      d.seconds = seconds_since(before);
-      return d;
-    });
-    for (std::size_t i = 0; !images.done() && !cli::interrupted(); ++i) {
-      const Decoded d = images.next();
-      times.read += d.seconds;
-      const bool fits =
-          d.image && d.image->width == folder.width && d.image->height == folder.height;
-      if (fits)
-        fusion.add(*d.image, camera, folder.frames[i].T_world_sensor, folder.frames[i].time);
-      else
-        skipped.add("bad_image",
-                    d.image ? folder.frames[i].file.string() + ": changed size" : d.why);
-      line("image " + std::to_string(i + 1) + " of " + std::to_string(folder.frames.size()));
-    }
-  }
+  for_each_read(
+      folder.frames, s, "image", skipped, times,
+      [&](const RecordedFrame& frame) {
+        const std::string name = frame.file.string();
+        DepthImage image = decode_png_depth(read_file(name), scale, name);
+        require(image.width == folder.width && image.height == folder.height,
+                name + ": changed size");
+        return image;
+      },
+      [&](const DepthImage& image, const RecordedFrame& frame) {
+        fusion.add(image, camera, frame.T_world_sensor, frame.time);
+      });
   times.wall = seconds_since(start);
   return fusion.finish("fuse_depth", camera, skipped, times);
 }

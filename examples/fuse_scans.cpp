@@ -3,34 +3,20 @@
 // Recorded range scans with poses become a map, a mesh, points, a report and the next viewpoints.
 //
 //   fuse_scans DIR --voxel 0.2 --range 1 40 --out out/street
-#include <chrono>
-#include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "support/ahead.hpp"
 #include "support/cli.hpp"
 #include "support/frame_folder.hpp"
 #include "support/fusion.hpp"
+#include "support/reading.hpp"
+#include "support/stopwatch.hpp"
 
 #include <surfleet/geometry/mesh_io.hpp>
 
 namespace {
 using namespace surfleet;
 using namespace surfleet::examples;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-struct ReadScan {
-  std::optional<PointCloud> cloud;
-  std::string why;
-  double seconds = 0.0;
-};
-
 int run(int argc, char** argv) {
   cli::Options app(
       "Recorded range scans with poses become a map, a mesh, points, a report and the next "
@@ -68,30 +54,12 @@ int run(int argc, char** argv) {
       open_scan_folder(s.input, trajectory, s.max_time_off, skipped);
   Fusion fusion(s);
   FusionTimes times;
-  cli::watch_interrupts();
-  {
-    cli::ProgressLine line(!s.quiet);
-    Ahead<ReadScan> scans(frames.size(), s.threads == 1, [&](std::size_t i) {
-      const auto before = Clock::now();
-      ReadScan r;
-      try {
-        r.cloud = read_point_cloud(frames[i].file);
-      } catch (const Error& e) {
-        r.why = e.what();
-      }
-      r.seconds = seconds_since(before);
-      return r;
-    });
-    for (std::size_t i = 0; !scans.done() && !cli::interrupted(); ++i) {
-      const ReadScan r = scans.next();
-      times.read += r.seconds;
-      if (r.cloud)
-        fusion.add(*r.cloud, frames[i].T_world_sensor, frames[i].time);
-      else
-        skipped.add("bad_scan", r.why);
-      line("scan " + std::to_string(i + 1) + " of " + std::to_string(frames.size()));
-    }
-  }
+  for_each_read(
+      frames, s, "scan", skipped, times,
+      [](const RecordedFrame& frame) { return read_point_cloud(frame.file); },
+      [&](const PointCloud& cloud, const RecordedFrame& frame) {
+        fusion.add(cloud, frame.T_world_sensor, frame.time);
+      });
   times.wall = seconds_since(start);
   return fusion.finish("fuse_scans", camera, skipped, times);
 }

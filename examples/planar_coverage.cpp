@@ -2,7 +2,6 @@
 /// @file
 /// @brief Voronoi coverage of polygons: convex, with obstacles, unknown; and the hybrid variants
 /// that deploy robots and sweep the ground [004 ch. 3-5].
-#include <chrono>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -26,6 +25,7 @@
 #include "support/cli.hpp"
 #include "support/peak_memory.hpp"
 #include "support/planar_picture.hpp"
+#include "support/stopwatch.hpp"
 
 namespace {
 using namespace surfleet;
@@ -333,7 +333,7 @@ int run(int argc, char** argv) {
   app.add_config_file();
   app.parse(argc, argv);
 
-  const auto began = std::chrono::steady_clock::now();
+  const auto began = examples::Clock::now();
   const bool from_file = s.scene.size() > 5 && s.scene.ends_with(".json");
   const PlanarEnvironment world = from_file ? read_scene(s.scene) : planar_environment(s.scene);
   const std::vector<Point2> start = place_robots(s, world);
@@ -393,8 +393,7 @@ int run(int argc, char** argv) {
   }
   if (!out.coverage.fraction.empty()) metrics["coverage_fraction"] = out.coverage.fraction.back();
   for (const auto& [key, value] : out.extra.items()) metrics[key] = value;
-  metrics["wall_time_s"] =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  metrics["wall_time_s"] = examples::seconds_since(began);
   metrics["peak_memory_bytes"] = examples::peak_memory();
   write_file(folder / "metrics.json", std::string_view(metrics.dump(2) + "\n"));
 

@@ -4,7 +4,6 @@
 //   surface_coverage                                       ten robots on the bumpy slope
 //   surface_coverage --scene steam_chest --robots 5 --coordinator exchange
 //   surface_coverage --scene tank.ply --robots 8 --sweep-range 20 --out out/tank
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -30,6 +29,7 @@
 
 #include "support/cli.hpp"
 #include "support/peak_memory.hpp"
+#include "support/stopwatch.hpp"
 
 namespace {
 using namespace surfleet;
@@ -306,10 +306,8 @@ Trajectory timed(const std::vector<Point3>& path, double speed) {
 }
 
 int run(int argc, char** argv) {
-  const auto begin = std::chrono::steady_clock::now();
-  const auto seconds = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  };
+  const auto begin = examples::Clock::now();
+  const auto seconds = [&] { return examples::seconds_since(begin); };
   const Settings s = settings(argc, argv);
   SurfaceDefects defects;
   TriangleMesh mesh = clean_surface(scene(s), &defects);

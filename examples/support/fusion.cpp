@@ -2,7 +2,6 @@
 #include "support/fusion.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -11,7 +10,9 @@
 #include <numeric>
 #include <utility>
 
+#include "support/json_values.hpp"
 #include "support/peak_memory.hpp"
+#include "support/stopwatch.hpp"
 
 #include <surfleet/adapters/png_writer.hpp>
 #include <surfleet/evaluation/color_map.hpp>
@@ -26,15 +27,11 @@
 #include <surfleet/viewpoint/coverage_estimate.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
+#include <surfleet/viewpoint/viewpoint_cover.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
 
 namespace surfleet::examples {
 namespace {
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 std::optional<Box3> bounds_of(const FusionSettings& s) {
   if (s.bounds.empty()) return std::nullopt;
   return cli::box_from_numbers(s.bounds, "--bounds");
@@ -102,30 +99,17 @@ NextViews plan_next_views(const IncompleteSurface& incomplete, const VoxelStateM
     shown[i] = 1;
     for (const std::int32_t e : seen.back()) shown[static_cast<std::size_t>(e)] = 1;
   }
-  std::fill(shown.begin(), shown.end(), std::uint8_t{0});
   std::size_t covered = 0;
-  while (next.views.size() < static_cast<std::size_t>(s.views)) {
-    std::size_t best = 0, most = 0;
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      const auto adds = static_cast<std::size_t>(
-          std::count_if(seen[v].begin(), seen[v].end(),
-                        [&](std::int32_t e) { return shown[static_cast<std::size_t>(e)] == 0; }));
-      if (adds > most) {
-        most = adds;
-        best = v;
-      }
-    }
-    if (most == 0) break;
-    const Configuration& q = views[best].configuration;
-    next.views.push_back({q, q.pose() * mount, gain.value(seen[best].size()), gain.value(most)});
-    for (const std::int32_t e : seen[best]) shown[static_cast<std::size_t>(e)] = 1;
-    covered += most;
+  for (const CoverChoice& choice : cover_greedily(seen, static_cast<std::size_t>(s.views))) {
+    const Configuration& q = views[choice.set].configuration;
+    next.views.push_back(
+        {q, q.pose() * mount, gain.value(seen[choice.set].size()), gain.value(choice.adds)});
+    covered += choice.adds;
   }
   next.covered = gain.value(covered);
   return next;
 }
 
-nlohmann::json triple(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 nlohmann::json matrix_of(const Pose& pose) {
   nlohmann::json rows = nlohmann::json::array();
   for (int i = 0; i < 4; ++i)
@@ -182,7 +166,7 @@ std::vector<std::byte> picture_of(const TriangleMesh& mesh, RenderView view,
   return encode_png(picture.image());
 }
 /// All but the hundredth of the vertices that is farthest out on every side, which are few and far.
-std::vector<Point3> bulk(const TriangleMesh& mesh) {
+Box3 bulk(const TriangleMesh& mesh) {
   Box3 box;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> c;
@@ -195,9 +179,7 @@ std::vector<Point3> bulk(const TriangleMesh& mesh) {
     box.min()[k] = at(0.01);
     box.max()[k] = at(0.99);
   }
-  std::vector<Point3> corners;
-  for (int i = 0; i < 8; ++i) corners.push_back(box.corner(static_cast<Box3::CornerType>(i)));
-  return corners;
+  return box;
 }
 /// The two directions from which most is to be seen: to either side of the one that the surface
 /// faces as a whole, or opposite ones if it faces none [rad].
@@ -387,17 +369,16 @@ int Fusion::finish(const char* program, const PinholeCamera& camera, const Skipp
       {"a frame", format_number(1000.0 * (times.wall + times.extract) / frames, 1) + " ms",
        "from file to mesh"}};
   report.add_key_figures(key);
-  const std::vector<Point3> frame = bulk(mesh);
+  const Box3 frame = bulk(mesh);
   for (const double azimuth : azimuths(mesh))
     report.add_picture(
-        picture_of(mesh, frame_points(frame, azimuth, radians(35.0), 1000, 700), sensors_, next),
+        picture_of(mesh, frame_box(frame, azimuth, radians(35.0), 1000, 700), sensors_, next),
         "The surface, the sensor's path (blue) and the next viewpoints (orange); what faces away "
-        "is "
-        "left out",
+        "is left out",
         true);
-  report.add_picture(picture_of(mesh, frame_points(frame, radians(-90.0), radians(89.0), 1000, 700),
-                                sensors_, next),
-                     "From above", true);
+  report.add_picture(
+      picture_of(mesh, frame_box(frame, radians(-90.0), radians(89.0), 1000, 700), sensors_, next),
+      "From above", true);
   if (depth_images_)
     report.add_picture(
         picture_of(mesh, behind_sensor(sensors_[sensors_.size() / 2].T_world_body, camera), {}, {}),

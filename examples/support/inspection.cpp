@@ -19,6 +19,7 @@
 #include <surfleet/mapping/surface_mesh.hpp>
 #include <surfleet/mapping/surface_points.hpp>
 #include <surfleet/simulation/scenes.hpp>
+#include <surfleet/simulation/simulation.hpp>
 
 namespace surfleet::examples {
 namespace {
@@ -151,28 +152,30 @@ void InspectionSite::find_reference(const InspectionSettings& settings, const Po
 
 MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site) {
   MissionOptions o;
-  o.camera = site.camera;
-  o.voxel_size = s.voxel;
-  o.known_weight = s.known_weight;
-  o.tsdf.truncation = s.truncation.value_or(3.0 * s.voxel);
-  o.body_radius = s.radius;
-  o.margin = s.margin;
-  o.unknown_margin = s.unknown_margin;
+  RobotKind& kind = o.kind;
+  kind.camera = site.camera;
+  kind.body_radius = s.radius;
+  kind.margin = s.margin;
+  kind.unknown_margin = s.unknown_margin;
+  kind.limits = s.limits;
+  kind.bounds = site.scene.bounds;
+  kind.keep_out = site.scene.keep_out;
+  if (site.scene.has_ground)
+    kind.bounds.min().z() =
+        std::max(kind.bounds.min().z(), site.scene.ground_z + s.radius + s.margin);
+  o.belief.voxel_size = s.voxel;
+  o.belief.known_weight = s.known_weight;
+  o.belief.tsdf.truncation = s.truncation.value_or(3.0 * s.voxel);
+  o.belief.looks.max_looks = s.max_looks;
+  o.belief.region = site.scene.region;
+  o.belief.seed = s.seed;
+  o.agent.image_period = 1.0 / s.rate;
+  o.agent.utility_share = s.utility_share;
   // Said by the operator, who knows the place he starts from, and held against the truth before the
   // mission begins: see `InspectionSite::starts`.
   o.start_clearance = s.known_around_start();
-  o.limits = s.limits;
-  o.image_period = 1.0 / s.rate;
-  o.utility_share = s.utility_share;
-  o.looks.max_looks = s.max_looks;
-  o.region = site.scene.region;
-  o.bounds = site.scene.bounds;
-  o.keep_out = site.scene.keep_out;
-  if (site.scene.has_ground)
-    o.bounds.min().z() = std::max(o.bounds.min().z(), site.scene.ground_z + s.radius + s.margin);
   o.max_time = s.max_time;
   o.threads = s.threads;
-  o.seed = s.seed;
   return o;
 }
 
@@ -188,7 +191,7 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
     RecordedWorld world(site.world(s), s, site.camera);
-    Mission<AnyPlanner, RecordedWorld<DroneWorld<EmbreeRayCaster>>> mission(
+    Simulation<AnyPlanner, RecordedWorld<DroneWorld<EmbreeRayCaster>>> mission(
         mission_options(s, site), world, starts, planner_for(s));
     using Clock = std::chrono::steady_clock;
     const auto before = Clock::now();
@@ -204,10 +207,12 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     run.map = mission.take_map();
     run.mission_memory = peak_memory();
   }
-  run.reconstruction = reconstruction_of(run.map, s, site.scene.region);
-  run.points =
-      cropped(extract_points(run.map, {.min_weight = s.known_weight, .threads = s.threads}),
-              site.scene.region);
+  const PointCloud points =
+      extract_points(run.map, {.min_weight = s.known_weight, .threads = s.threads});
+  run.reconstruction = cropped(
+      extract_surface(run.map, points, {.min_weight = s.known_weight, .threads = s.threads}),
+      site.scene.region);
+  run.points = cropped(points, site.scene.region);
   return run;
 }
 

@@ -14,12 +14,12 @@
 #include <surfleet/adapters/fcl_mesh_judge.hpp>
 #include <surfleet/evaluation/reconstruction_metrics.hpp>
 #include <surfleet/evaluation/surface_sampling.hpp>
-#include <surfleet/fleet/mission.hpp>
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
 #include <surfleet/simulation/agreeing_judges.hpp>
 #include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/judge.hpp>
+#include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/scene.hpp>
 
 namespace surfleet::examples {

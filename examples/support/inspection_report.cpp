@@ -9,10 +9,10 @@
 
 #include "support/cli.hpp"
 #include "support/peak_memory.hpp"
+#include "support/published_figures.hpp"
 
 #include <surfleet/adapters/png_writer.hpp>
 #include <surfleet/evaluation/color_map.hpp>
-#include <surfleet/evaluation/published_figures.hpp>
 #include <surfleet/evaluation/rasterizer.hpp>
 #include <surfleet/evaluation/report.hpp>
 #include <surfleet/evaluation/trajectory_io.hpp>

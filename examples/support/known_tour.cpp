@@ -17,9 +17,9 @@ KnownSitePlanner::KnownSitePlanner(const InspectionSettings& s, const Inspection
       map_(map_from_mesh(site.space.surface(), site.scene.bounds, s.voxel)),
       states_(map_, {.known_weight = s.known_weight}),
       space_(states_, {.radius = s.radius,
-                       .bounds = mission_options(s, site).bounds,
+                       .bounds = mission_options(s, site).kind.bounds,
                        .margin = margin,
-                       .keep_out = mission_options(s, site).keep_out}),
+                       .keep_out = mission_options(s, site).kind.keep_out}),
       roadmap_(space_, {.seed = s.seed}) {
   const double each = site.samples.area_per_sample;
   const auto step = static_cast<std::size_t>(std::max(1.0, std::round(1.0 / (density * each))));
@@ -39,19 +39,19 @@ FlownTour fly_known_tour(const CoverageTour& tour, const InspectionSettings& s,
                          const InspectionSite& site, const Configuration& start, double hold) {
   const MissionOptions mission = mission_options(s, site);
   const DroneWorld<EmbreeRayCaster> world = site.world(s);
-  TsdfIntegrator<DropOffWeight<>> integrate = mission_integrator(mission);
-  TsdfMap map({.voxel_size = mission.voxel_size});
+  const RobotKind& kind = mission.kind;
+  SurfaceBelief belief(mission.belief, std::span(&kind, 1));
   FlownTour flown;
   flown.images = fly_tour(tour, start,
-                          {.speed = mission.limits.speed,
-                           .yaw_rate = mission.limits.yaw_rate,
-                           .image_period = mission.image_period,
+                          {.speed = kind.limits.speed,
+                           .yaw_rate = kind.limits.yaw_rate,
+                           .image_period = mission.agent.image_period,
                            .hold = hold});
   std::uint64_t shot = 0;
   for (const auto& [time, q] : flown.images)
-    integrate(world.capture(0, shot++, std::span(&q, 1)), mission.camera,
-              q.pose() * mission.T_body_camera, map);
-  flown.reconstruction = reconstruction_of(map, s, site.scene.region);
+    belief.integrate(world.capture(0, shot++, std::span(&q, 1)), kind.camera,
+                     q.pose() * kind.T_body_camera);
+  flown.reconstruction = reconstruction_of(belief.map(), s, site.scene.region);
   flown.evaluation = evaluate_mesh(s, site, flown.reconstruction);
   return flown;
 }

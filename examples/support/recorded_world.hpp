@@ -16,8 +16,8 @@
 
 #include <surfleet/adapters/png_depth.hpp>
 #include <surfleet/core/binary_io.hpp>
-#include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/geometry/pose_io.hpp>
+#include <surfleet/geometry/teammate_mask.hpp>
 
 namespace surfleet::examples {
 /// Another world whose images are also written to a folder in the layout of 7-Scenes, in

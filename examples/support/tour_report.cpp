@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/cli.hpp"
+#include "support/json_values.hpp"
 #include "support/peak_memory.hpp"
 
 #include <surfleet/adapters/png_writer.hpp>
@@ -21,7 +22,6 @@
 
 namespace surfleet::examples {
 namespace {
-nlohmann::json triple(const Point3& p) { return {p.x(), p.y(), p.z()}; }
 nlohmann::json pose(const Configuration& q) {
   return {{"position", triple(q.position)}, {"yaw", q.yaw}};
 }

@@ -5,25 +5,17 @@
 
 #include <surfleet/fleet/fwd.hpp>
 
+#include <surfleet/fleet/agent.hpp>
+#include <surfleet/fleet/central_planning.hpp>
 #include <surfleet/fleet/coverage_tour.hpp>
-#include <surfleet/fleet/flight_lattice.hpp>
-#include <surfleet/fleet/left_below.hpp>
-#include <surfleet/fleet/left_reason.hpp>
-#include <surfleet/fleet/look_ledger.hpp>
-#include <surfleet/fleet/mission.hpp>
 #include <surfleet/fleet/opening_look.hpp>
-#include <surfleet/fleet/optimistic_lattice.hpp>
 #include <surfleet/fleet/plan.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/fleet/rate_then_tours.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
-#include <surfleet/fleet/space_look.hpp>
-#include <surfleet/fleet/team_flights.hpp>
-#include <surfleet/fleet/teammate_mask.hpp>
+#include <surfleet/fleet/robot_body.hpp>
+#include <surfleet/fleet/robot_kind.hpp>
+#include <surfleet/fleet/surface_belief.hpp>
 #include <surfleet/fleet/tour_ahead.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
 #include <surfleet/fleet/tours_behind.hpp>
-#include <surfleet/fleet/unseen_space.hpp>
-#include <surfleet/fleet/view_memory.hpp>
 #include <surfleet/fleet/with_space_looks.hpp>
-#include <surfleet/fleet/worth_around.hpp>

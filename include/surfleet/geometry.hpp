@@ -6,9 +6,11 @@
 #include <surfleet/geometry/fwd.hpp>
 
 #include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/clean_surface.hpp>
 #include <surfleet/geometry/curvature.hpp>
 #include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
+#include <surfleet/geometry/graph_components.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>
@@ -25,8 +27,10 @@
 #include <surfleet/geometry/polygon_visibility.hpp>
 #include <surfleet/geometry/pose_io.hpp>
 #include <surfleet/geometry/predicates.hpp>
+#include <surfleet/geometry/prism.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
 #include <surfleet/geometry/stamped_files.hpp>
+#include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/geometry/text_scanner.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
 #include <surfleet/geometry/triangle_queries.hpp>

@@ -5,6 +5,8 @@
 
 #include <surfleet/mapping/fwd.hpp>
 
+#include <surfleet/mapping/block_bits.hpp>
+#include <surfleet/mapping/distance_transform.hpp>
 #include <surfleet/mapping/map_file.hpp>
 #include <surfleet/mapping/marching_cubes.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>

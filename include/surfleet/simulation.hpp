@@ -11,11 +11,14 @@
 #include <surfleet/simulation/house.hpp>
 #include <surfleet/simulation/judge.hpp>
 #include <surfleet/simulation/mesh_map.hpp>
+#include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/planar_environments.hpp>
 #include <surfleet/simulation/powerplant.hpp>
 #include <surfleet/simulation/random_scene.hpp>
 #include <surfleet/simulation/scene.hpp>
 #include <surfleet/simulation/scenes.hpp>
+#include <surfleet/simulation/simulated_drone.hpp>
+#include <surfleet/simulation/simulation.hpp>
 #include <surfleet/simulation/statue.hpp>
 #include <surfleet/simulation/steam_chest.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>

@@ -4,9 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include <surfleet/evaluation/published_figures.hpp>
-
 #include "check.hpp"
+#include "support/published_figures.hpp"
 #include "well_formed.hpp"
 
 using namespace surfleet;
@@ -61,6 +60,7 @@ TEST(reports_are_written_whole_or_refused) {
 }
 
 TEST(published_figures_stand_beside_ours) {
+  using namespace surfleet::examples;
   const OwnRun own{.label = "this <run>", .robots = 3, .planner = "tsga", .total_path_m = 700.0};
   const Table table = comparison_table("powerplant", std::span(&own, 1));
   CHECK(table.rows.size() == 10 && table.rows[0][0] == "this <run>");

@@ -16,7 +16,8 @@ struct Known {
   std::vector<double> areas;
   Known() {
     const MissionOptions o = box_world::options(world);
-    const VoxelIndex low = map.index_of(o.bounds.min()), high = map.index_of(o.bounds.max());
+    const VoxelIndex low = map.index_of(o.kind.bounds.min()),
+                     high = map.index_of(o.kind.bounds.max());
     for_each_index(low, high, [&](const VoxelIndex& v) {
       const bool inside = box_world::box().contains(map.center(v));
       map.ensure(v) = {inside ? -0.2F : 0.2F, 1.0F};
@@ -39,14 +40,14 @@ TEST(tour_of_a_box_sees_what_it_promises_and_is_free) {
   const Known known;
   const VoxelStateMap states(known.map);
   const MissionOptions o = box_world::options(known.world);
-  const FreeSpace space(states, {.radius = o.body_radius, .bounds = o.bounds});
+  const FreeSpace space(states, {.radius = o.kind.body_radius, .bounds = o.kind.bounds});
   LazyPrmStar roadmap(space, {.spacing = 1.0});
   const Configuration start = box_world::starts(1).front();
   double last = 0.0;
   for (const double share : {0.5, 0.9, 1.0}) {
     const CoverageTour tour =
         plan_coverage_tour({known.points, known.normals, known.areas}, known.world.bvh, space,
-                           roadmap, o.camera, start, {.coverage = share, .spacing = 1.0});
+                           roadmap, o.kind.camera, start, {.coverage = share, .spacing = 1.0});
     CHECK(tour.coverage() >= share - 0.01);
     CHECK(tour.reachable_area > 0.8 * known.world.mesh.area());
     CHECK_NEAR(tour.length, polyline_length(tour.path), 1e-9);
@@ -90,10 +91,10 @@ TEST(refuses_bad_settings) {
   const Known known;
   const VoxelStateMap states(known.map);
   const MissionOptions o = box_world::options(known.world);
-  const FreeSpace space(states, {.radius = o.body_radius, .bounds = o.bounds});
+  const FreeSpace space(states, {.radius = o.kind.body_radius, .bounds = o.kind.bounds});
   LazyPrmStar roadmap(space);
   const auto plan = [&](const KnownSurface& s, const CoverageTourOptions& t) {
-    return plan_coverage_tour(s, known.world.bvh, space, roadmap, o.camera,
+    return plan_coverage_tour(s, known.world.bvh, space, roadmap, o.kind.camera,
                               box_world::starts(1).front(), t);
   };
   const KnownSurface good{known.points, known.normals, known.areas};

@@ -7,19 +7,19 @@
 #include <vector>
 
 #include <surfleet/core/random.hpp>
-#include <surfleet/fleet/flight_lattice.hpp>
-#include <surfleet/fleet/left_below.hpp>
-#include <surfleet/fleet/look_bound.hpp>
-#include <surfleet/fleet/look_ledger.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/fleet/rate_then_tours.hpp>
-#include <surfleet/fleet/team_flights.hpp>
-#include <surfleet/fleet/teammate_mask.hpp>
 #include <surfleet/fleet/tour_planner.hpp>
-#include <surfleet/fleet/unseen_space.hpp>
-#include <surfleet/fleet/view_memory.hpp>
-#include <surfleet/fleet/worth_around.hpp>
+#include <surfleet/geometry/teammate_mask.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/motion/team_flights.hpp>
 #include <surfleet/viewpoint/gain.hpp>
+#include <surfleet/viewpoint/left_below.hpp>
+#include <surfleet/viewpoint/look_bound.hpp>
+#include <surfleet/viewpoint/look_ledger.hpp>
+#include <surfleet/viewpoint/unseen_space.hpp>
+#include <surfleet/viewpoint/view_memory.hpp>
+#include <surfleet/viewpoint/worth_around.hpp>
 
 #include "check.hpp"
 #include "paint_states.hpp"
@@ -345,17 +345,16 @@ TEST(nobody_is_sent_where_he_cannot_get) {
     std::size_t stops = 0;
     Random random(4);
     for (int round = 0; round < 2; ++round) {
-      std::vector<RobotRequest> robots;
+      std::vector<Teammate> robots;
       while (robots.size() < 3) {
         const Point3 p(random.uniform(-8, 8), random.uniform(-6, 6), random.uniform(1, 2.5));
         if (still.free.is_free(p)) robots.push_back({{p, 0.0}, true, {}});
       }
-      const PlanResult result = planner(still.request(robots));
+      const Plan result = planner(still.situation(robots));
       std::size_t served = 0;
-      for (std::size_t r = 0; r < robots.size(); ++r) {
-        if (!result.routes[r]) continue;
-        served += result.routes[r]->empty() ? 0 : 1;
-        for (const Stop& stop : *result.routes[r]) {
+      for (RobotId r = 0; r < robots.size(); ++r) {
+        served += result.routes.at(r).empty() ? 0 : 1;
+        for (const Stop& stop : result.routes.at(r)) {
           CHECK(still.roadmap.reachable(robots[r].configuration.position,
                                         stop.configuration.position));
           ++stops;
@@ -384,11 +383,11 @@ TEST(a_single_cluster_is_made_finer_for_a_team) {
     options.distance = 2.5;
     options.clusters = {.radius = 50.0, .max_radius = 50.0};
     options.least_clusters = least_clusters;
-    std::vector<RobotRequest> robots;
+    std::vector<Teammate> robots;
     for (const double x : {-8.0, 8.0})
       robots.push_back({{still.free.free_start(Point3(x, 0.0, 1.5)), 0.0}, true, {}});
-    const PlanResult result = MakespanPlanner(options)(still.request(robots));
-    return std::pair(result.routes[0]->size(), result.routes[1]->size());
+    const Plan result = MakespanPlanner(options)(still.situation(robots));
+    return std::pair(result.routes.at(0).size(), result.routes.at(1).size());
   };
   const auto [a, b] = stops(0);
   CHECK(std::min(a, b) == 0 && std::max(a, b) > 10);
@@ -432,10 +431,10 @@ TEST(flights_by_rate_end_where_the_roadmap_leads) {
   while (stops < 150) {
     const Point3 p(random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(-2, 2));
     if (!still.free.is_free(p)) continue;
-    const std::vector<RobotRequest> robots{{{p, 0.0}, true, {}}};
-    const PlanResult result = planner(still.request(robots));
+    const std::vector<Teammate> robots{{{p, 0.0}, true, {}}};
+    const Plan result = planner(still.situation(robots));
     Point3 from = p;
-    for (const Stop& stop : *result.routes[0]) {
+    for (const Stop& stop : result.routes.at(0)) {
       CHECK(still.roadmap.query(from, stop.configuration.position).has_value());
       from = stop.configuration.position;
     }
@@ -449,8 +448,10 @@ struct SendAll {
   double rate = 1.0;
   double last_rate() const { return rate; }
   double broadest_look() const { return rate; }
-  PlanResult operator()(const PlanRequest& request) const {
-    return {std::vector<std::optional<Stops>>(request.robots.size(), Stops{{{goal, 0.0}, {}}}), {}};
+  Plan operator()(const SurfaceSituation& situation) const {
+    Plan plan;
+    for (const RobotState& robot : situation.team) plan.routes[robot.id] = Stops{{{goal, 0.0}, {}}};
+    return plan;
   }
 };
 TEST(nobody_leaves_a_tour_for_what_is_broad_but_far) {
@@ -460,18 +461,18 @@ TEST(nobody_leaves_a_tour_for_what_is_broad_but_far) {
                      PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
   const Point3 broad(8.0, 0.0, 0.0), rest(0.0, 0.0, 0.0);
   const auto ask = [&](auto& planner, double rate, std::span<const double> places) {
-    std::vector<RobotRequest> robots;
+    std::vector<Teammate> robots;
     for (const double x : places) robots.push_back({{Point3(x, 0.0, 0.0), 0.0}, true, {}});
     planner.first.rate = rate;
-    return planner(still.request(robots));
+    return planner(still.situation(robots));
   };
-  const auto goal = [](const PlanResult& result, std::size_t robot) {
-    return result.routes[robot]->at(0).configuration.position;
+  const auto goal = [](const Plan& result, RobotId robot) {
+    return result.routes.at(robot).at(0).configuration.position;
   };
   const std::vector<double> team{7.0, 3.3, -8.0};
   RateThenTours<SendAll, SendAll> planner(SendAll{broad}, SendAll{rest});
-  PlanResult result = ask(planner, 1.0, team);
-  for (std::size_t r = 0; r < 3; ++r) CHECK(goal(result, r) == broad);
+  Plan result = ask(planner, 1.0, team);
+  for (RobotId r = 0; r < 3; ++r) CHECK(goal(result, r) == broad);
   ask(planner, 0.0, team);
   CHECK(planner.touring());
   for (int i = 0; i < 2; ++i) {
@@ -507,10 +508,13 @@ TEST(nobody_is_sent_across_a_teammate_s_flight_where_there_is_as_much_elsewhere)
     RatePlannerOptions options;
     options.meeting_share = meeting_share;
     const double y = teammate_y > 0.0 ? 1.2 : -1.2;
-    const std::vector<RobotRequest> robots{
+    const std::vector<Teammate> robots{
         {{Point3(0.0, 0.05, 0.1), 0.0}, true, {}},
         {{Point3(-2.0, y, 0.1), 0.0}, false, {{{Point3(2.0, 2.0 * y, 0.1), 0.0}, {}}}}};
-    return RatePlanner(options)(still.request(robots)).routes[0]->at(0).configuration.position.y();
+    return RatePlanner(options)(still.situation(robots))
+        .routes.at(0)
+        .at(0)
+        .configuration.position.y();
   };
   const double alone = side(1.0, 0.0);
   CHECK(alone * side(alone, 1.0) < 0.0);   // its way was across: it takes the other side
@@ -572,17 +576,17 @@ TEST(one_drone_in_a_high_region_looks_at_what_is_below_first) {
     const Box3 region(Point3(-3.0, -3.0, -half_height), Point3(3.0, 6.0, half_height));
     StillMission still(map, {.radius = 0.4, .bounds = region, .margin = 0.1},
                        PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
-    CHECK(RatePlanner()(still.request({})).routes.empty());
+    CHECK(RatePlanner()(still.situation({})).routes.empty());
     RatePlannerOptions options;
     options.ahead = 1;
     options.climb_alone.left_below.most = most;
-    std::vector<RobotRequest> team{{{Point3(0.05, 0.05, 0.2), 0.0}, true, {}}};
+    std::vector<Teammate> team{{{Point3(0.05, 0.05, 0.2), 0.0}, true, {}}};
     if (robots == 2) team.push_back({{Point3(2.0, -2.0, 0.2), 0.0}, false, {}});
-    const PlanResult result = RatePlanner(options)(still.request(team));
+    const Plan result = RatePlanner(options)(still.situation(team));
     const bool alone = half_height > 4.0 && robots == 1;
     CHECK(result.replan.watch_on == alone);
     CHECK(result.replan.utility_share.has_value() == alone);
-    return result.routes[0]->at(0).configuration.position.z();
+    return result.routes.at(0).at(0).configuration.position.z();
   };
   CHECK(height_of_first(6.0, 1, 0.0) > 0.2);
   CHECK(height_of_first(6.0, 1, 0.6) < 0.2);

@@ -9,8 +9,8 @@
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/fleet/opening_look.hpp>
-#include <surfleet/fleet/optimistic_lattice.hpp>
 #include <surfleet/fleet/rate_planner.hpp>
+#include <surfleet/motion/optimistic_lattice.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 
 #include "check.hpp"
@@ -216,15 +216,15 @@ TEST(the_look_that_opens_a_way_shows_what_a_body_needs_of_it) {
                      Box3(Point3(-6.0, -4.0, -2.0), Point3(6.0, 4.0, 10.0)));
   FlightLattice<FreeSpace> lattice(still.free, still.free.options().bounds, 0.6);
   const Point3 start(-3.0, 0.1, 0.5);
-  const std::vector<RobotRequest> robots{{{start, 0.0}, true, {}}};
-  const PlanRequest request = still.request(robots);
+  const std::vector<Teammate> robots{{{start, 0.0}, true, {}}};
+  const SurfaceSituation situation = still.situation(robots);
   const auto reach = still.roadmap.reach_from(start);
   const std::vector<Point3> way{Point3(0, 0, 1.2), Point3(0, 0, 1.8), Point3(0, 0, 2.4),
                                 Point3(0, 0, 3.0)};
   OpeningLooks opens;
   int looks = 0;
   std::set<VoxelKey> shown;
-  while (const auto look = opens(request, lattice, reach, robots[0].configuration, start, way)) {
+  while (const auto look = opens(situation, lattice, reach, robots[0].configuration, start, way)) {
     CHECK(++looks < 200);
     CHECK(look->targets.empty() && reach(look->configuration.position));
     // Unknown cells beside the way are in the image.
@@ -245,7 +245,7 @@ TEST(the_look_that_opens_a_way_shows_what_a_body_needs_of_it) {
   // The map stands still, so in the end all is given up.
   CHECK(looks >= 3 && !shown.empty());
   const std::vector<Point3> open{Point3(0, 0, 0.5), Point3(1, 0, 0.5)};
-  CHECK(!OpeningLooks()(request, lattice, reach, robots[0].configuration, start, open));
+  CHECK(!OpeningLooks()(situation, lattice, reach, robots[0].configuration, start, open));
 }
 
 TEST(one_drone_opens_the_way_to_what_it_cannot_see_yet) {
@@ -259,17 +259,17 @@ TEST(one_drone_opens_the_way_to_what_it_cannot_see_yet) {
   StillMission still(map, kBody, PinholeCamera::from_fov(1.2, 1.0, 160, 120, 0.1, 3.0),
                      Box3(Point3(-5.0, -4.0, 5.0), Point3(5.0, 4.0, 9.0)));
   CHECK(!still.work.empty());
-  const std::vector<RobotRequest> robots{{{Point3(0.1, 0.1, 0.5), 0.0}, true, {}}};
+  const std::vector<Teammate> robots{{{Point3(0.1, 0.1, 0.5), 0.0}, true, {}}};
   RatePlannerOptions options;
   options.space_worth = 0.0;
   RatePlanner ahead(options);
   options.ahead = 0;
   RatePlanner near(options);
-  CHECK(near(still.request(robots)).routes[0]->empty());
-  const PlanResult result = ahead(still.request(robots));
-  CHECK(result.routes[0]->size() == 1 && result.routes[0]->front().targets.empty());
+  CHECK(near(still.situation(robots)).routes.at(0).empty());
+  const Plan result = ahead(still.situation(robots));
+  CHECK(result.routes.at(0).size() == 1 && result.routes.at(0).front().targets.empty());
   CHECK(ahead.last_rate() > 0.0 && result.impossible.empty());
   CHECK(still.roadmap.reachable(robots[0].configuration.position,
-                                result.routes[0]->front().configuration.position));
+                                result.routes.at(0).front().configuration.position));
 }
 }  // namespace

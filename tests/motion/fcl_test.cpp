@@ -9,6 +9,7 @@
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
+#include <surfleet/motion/body_check.hpp>
 #include <surfleet/motion/free_space.hpp>
 
 #include "check.hpp"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <surfleet/motion/body_check.hpp>
 #include <surfleet/motion/free_space.hpp>
 
 #include <limits>

@@ -18,6 +18,7 @@
 #include <string>
 #include <utility>
 
+#include <surfleet/adapters/png_writer.hpp>
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/error.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
@@ -156,20 +157,7 @@ inline Bytes encode_png_depth(const DepthImage& image, double scale) {
     values[i] = static_cast<png_uint_16>(units);
   }
   // "Linear" is what libpng calls 16 bits that it is to write as they are.
-  png_image header{};
-  header.version = PNG_IMAGE_VERSION;
-  header.width = static_cast<png_uint_32>(image.width);
-  header.height = static_cast<png_uint_32>(image.height);
-  header.format = PNG_FORMAT_LINEAR_Y;
-  header.flags = PNG_IMAGE_FLAG_FAST;
-  Bytes bytes(PNG_IMAGE_PNG_SIZE_MAX(header));
-  png_alloc_size_t size = bytes.size();
-  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, values.data(), 0, nullptr) == 0) {
-    const std::string why = header.message;
-    png_image_free(&header);
-    throw Error("PNG: " + why);
-  }
-  bytes.resize(size);
-  return bytes;
+  return detail::encode_png_pixels(image.width, image.height, PNG_FORMAT_LINEAR_Y,
+                                   PNG_IMAGE_FLAG_FAST, values.data());
 }
 }  // namespace surfleet

@@ -292,8 +292,7 @@ inline TsplibInstance parse_tsplib(std::string_view text, const std::string& sou
 /// The same from a file.
 inline TsplibInstance read_tsplib(const std::filesystem::path& path, int max_dimension = 5000) {
   const Bytes bytes = read_file(path);
-  return parse_tsplib({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path.string(),
-                      max_dimension);
+  return parse_tsplib(text_of(bytes), path.string(), max_dimension);
 }
 
 /// The instance as text: explicit weights in a full matrix, exact to the last bit.

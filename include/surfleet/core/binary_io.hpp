@@ -120,6 +120,11 @@ inline Bytes read_file(const std::filesystem::path& path) {
   return bytes;
 }
 
+/// Bytes as the text they are; a view.
+inline std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
 /// Writes `bytes` to `path` by way of a temporary beside it, so that a reader sees the old file
 /// or the new one and never half of either. Throws `Error` if it cannot.
 inline void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {

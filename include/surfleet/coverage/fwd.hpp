@@ -17,7 +17,6 @@ struct MetricField;
 struct NonconvexOptions;
 class PMedianProblem;
 class PMedianSolution;
-struct Prism;
 class PrismCoverage;
 struct ReebGraph;
 struct RoboticBandPlan;

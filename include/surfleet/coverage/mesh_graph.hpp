@@ -11,15 +11,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <set>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/coverage/metric_field.hpp>
+#include <surfleet/geometry/clean_surface.hpp>
 #include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
+#include <surfleet/geometry/graph_components.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
 
@@ -157,122 +158,4 @@ struct DualMeshGraph {
   }
 };
 static_assert(SurfaceModel<MeshGraph> && SurfaceModel<DualMeshGraph>);
-
-/// A graph seen through a sieve: only the nodes that `keep(node)` lets through exist.
-template <WeightedGraph G, typename Keep>
-class Restricted {
- public:
-  Restricted(const G& graph, const Keep& keep) : graph_(&graph), keep_(&keep) {}
-  std::size_t size() const { return graph_->size(); }
-
-  using Inner = decltype(std::declval<const G&>().arcs(0).begin());
-  struct Iterator {
-    Inner at, last;
-    const Keep* keep;
-    void skip() {
-      while (at != last && !(*keep)(at->to)) ++at;
-    }
-    decltype(auto) operator*() const { return *at; }
-    auto operator->() const { return &*at; }
-    Iterator& operator++() {
-      ++at;
-      skip();
-      return *this;
-    }
-    bool operator!=(const Iterator& other) const { return at != other.at; }
-  };
-  struct Range {
-    Iterator first, last;
-    Iterator begin() const { return first; }
-    Iterator end() const { return last; }
-  };
-  Range arcs(std::int32_t node) const {
-    const auto all = graph_->arcs(node);
-    Range range{{all.begin(), all.end(), keep_}, {all.end(), all.end(), keep_}};
-    range.first.skip();
-    return range;
-  }
-
- private:
-  const G* graph_;
-  const Keep* keep_;
-};
-
-/// Lets every node through.
-struct KeepAll {
-  bool operator()(std::int32_t) const { return true; }
-};
-/// Lets the marked nodes through; all of them where the marks are empty.
-struct KeepMarked {
-  const std::vector<std::uint8_t>* marks;
-  bool operator()(std::int32_t v) const {
-    return marks->empty() || (*marks)[static_cast<std::size_t>(v)] != 0;
-  }
-};
-
-/// A name from 0 for every connected component among the kept sites, −1 elsewhere. Names follow
-/// the lowest site. O(n + m).
-template <typename Keep = KeepAll>
-std::vector<std::int32_t> connected_components(const Graph& links, const Keep& keep = {}) {
-  std::vector<std::int32_t> name(links.size(), -1), stack;
-  std::int32_t next = 0;
-  for (std::size_t s = 0; s < links.size(); ++s) {
-    const auto site = static_cast<std::int32_t>(s);
-    if (name[s] >= 0 || !keep(site)) continue;
-    name[s] = next;
-    stack.push_back(site);
-    while (!stack.empty()) {
-      const std::int32_t v = stack.back();
-      stack.pop_back();
-      for (const Arc& arc : links.arcs(v)) {
-        const auto j = static_cast<std::size_t>(arc.to);
-        if (name[j] >= 0 || !keep(arc.to)) continue;
-        name[j] = next;
-        stack.push_back(arc.to);
-      }
-    }
-    ++next;
-  }
-  return name;
-}
-
-/// What `clean_surface` met.
-struct SurfaceDefects {
-  std::size_t removed_vertices = 0;   ///< At the very place of another, or without a triangle.
-  std::size_t removed_triangles = 0;  ///< Without an area, or on the vertices of another.
-  std::size_t nonmanifold_edges = 0;  ///< Kept: edges of three or more triangles.
-  std::size_t components = 0;
-};
-
-/// A surface fit for coverage: vertices at one place merged, so that a soup becomes connected;
-/// triangles without area or said twice dropped, vertices without triangles too. Throws `Error`
-/// where nothing is left or the mesh is not valid. O(n log n).
-inline TriangleMesh clean_surface(const TriangleMesh& mesh, SurfaceDefects* defects = nullptr) {
-  require_valid_surface(mesh);
-  TriangleMesh clean = weld_vertices(mesh);
-  std::set<Triangle> met;
-  std::vector<Triangle> kept;
-  for (std::size_t t = 0; t < clean.triangles.size(); ++t) {
-    Triangle key = clean.triangles[t];
-    std::sort(key.begin(), key.end());
-    double scale = 0.0;
-    for (std::size_t k = 0; k < 3; ++k)
-      scale = std::max(scale, (clean.corner(t, k) - clean.corner(t, (k + 1) % 3)).squaredNorm());
-    if (clean.area_vector(t).norm() > 1e-12 * scale && met.insert(key).second)
-      kept.push_back(clean.triangles[t]);
-  }
-  require(!kept.empty(), "mesh: no triangle with an area; expected a surface");
-  const bool dropped = kept.size() != clean.triangles.size();
-  clean.triangles = std::move(kept);
-  if (dropped) clean = weld_vertices(clean);  // drops the vertices that are now without triangle
-  if (defects != nullptr) {
-    const MeshAdjacency adjacency(clean);
-    *defects = {mesh.vertices.size() - clean.vertices.size(),
-                mesh.triangles.size() - clean.triangles.size(),
-                adjacency.non_manifold_edges().size(), 0};
-    for (const std::int32_t c : connected_components(EdgeGeodesic{}(clean, EuclideanMetric{})))
-      defects->components = std::max(defects->components, static_cast<std::size_t>(c) + 1);
-  }
-  return clean;
-}
 }  // namespace surfleet

@@ -15,14 +15,10 @@
 #include <surfleet/coverage/centroid.hpp>
 #include <surfleet/coverage/voronoi_cells.hpp>
 #include <surfleet/geometry/polygon_clipping.hpp>
+#include <surfleet/geometry/prism.hpp>
 #include <surfleet/motion/tangent_bug.hpp>
 
 namespace surfleet {
-/// A polygon extruded from `low` to `high` [m].
-struct Prism {
-  Polygon ground;
-  double low = 0.0, high = 1.0;
-};
 /// Volume and centroid of every robot's part of a prism, and the cost with h = d².
 struct PrismCells {
   std::vector<double> volume;

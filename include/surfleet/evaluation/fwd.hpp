@@ -17,7 +17,6 @@ struct ObservableSurface;
 struct OrientedCoverage;
 struct OrientedCoverageOptions;
 class OrientedSurface;
-struct OwnRun;
 struct Plot;
 class Rasterizer;
 class ReachableLattice;

@@ -23,80 +23,13 @@
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/evaluation/color_map.hpp>
+#include <surfleet/evaluation/detail/render_frame.hpp>
+#include <surfleet/evaluation/detail/shadow_map.hpp>
 #include <surfleet/evaluation/image.hpp>
+#include <surfleet/evaluation/render_view.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
 
 namespace surfleet {
-/// Where a picture is taken from.
-struct RenderView {
-  Point3 eye{10.0, 0.0, 5.0};
-  Point3 target = Point3::Zero();
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  double vertical_fov = radians(35.0);  ///< Perspective; ignored when orthographic.
-  double orthographic_height = 0.0;     ///< Height of the view [m]; positive: orthographic.
-  int width = 1280, height = 800;       ///< [px]
-};
-
-/// The tightest view of all `points` from the direction with the given azimuth (about +z from +x)
-/// and elevation [rad], with a margin of 4 %; `orthographic` for plans and elevations. O(points).
-inline RenderView frame_points(std::span<const Point3> points, double azimuth, double elevation,
-                               int width, int height, bool orthographic = false) {
-  RenderView view;
-  view.width = width;
-  view.height = height;
-  if (points.empty()) return view;
-  const Eigen::Vector3d back(std::cos(azimuth) * std::cos(elevation),
-                             std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
-  const Eigen::Vector3d right(-std::sin(azimuth), std::cos(azimuth), 0.0);
-  const Eigen::Vector3d up = back.cross(right);
-  view.up = up;
-  constexpr double kMargin = 1.04;
-  const double tangent_y = std::tan(0.5 * view.vertical_fov) / kMargin;
-  const double tangent_x = tangent_y * width / height;
-  // Each side of the view is a plane of known slope that all points lie behind. In the units
-  // below (u: right or up over its tangent, w: towards the eye) the two planes of a pair are
-  // w = eye.w - |u - eye.u|, so the eye stands where those through the extremes meet.
-  struct Pair {
-    double high = -1e300, low = -1e300;
-    void add(double u, double w) {
-      high = std::max(high, w + u);
-      low = std::max(low, w - u);
-    }
-    double along() const { return 0.5 * (high - low); }
-    double back() const { return 0.5 * (high + low); }
-  };
-  const double flat = orthographic ? 0.0 : 1.0;
-  Pair horizontal, vertical;
-  double nearest = -1e300, farthest = 1e300;
-  for (const Point3& p : points) {
-    const double w = p.dot(back);
-    nearest = std::max(nearest, w);
-    farthest = std::min(farthest, w);
-    horizontal.add(p.dot(right) / tangent_x, flat * w);
-    vertical.add(p.dot(up) / tangent_y, flat * w);
-  }
-  const double depth = std::max(nearest - farthest, 1e-3);
-  double eye_back = std::max(horizontal.back(), vertical.back());
-  if (orthographic) {
-    view.orthographic_height = std::max(2.0 * tangent_y * eye_back * kMargin, 1e-6);
-    eye_back = nearest + depth;
-  }
-  eye_back = std::max(eye_back, nearest + 1e-3 * depth);
-  view.eye =
-      horizontal.along() * tangent_x * right + vertical.along() * tangent_y * up + eye_back * back;
-  view.target = view.eye - (eye_back - 0.5 * (nearest + farthest)) * back;
-  return view;
-}
-
-/// The same for the corners of `box`.
-inline RenderView frame_box(const Box3& box, double azimuth, double elevation, int width,
-                            int height, bool orthographic = false) {
-  std::vector<Point3> corners;
-  for (int k = 0; k < 8 && !box.isEmpty(); ++k)
-    corners.push_back(box.corner(static_cast<Box3::CornerType>(k)));
-  return frame_points(corners, azimuth, elevation, width, height, orthographic);
-}
-
 struct MeshStyle {
   Rgb color{196, 200, 206};  ///< Where the mesh has no colours of its own.
   bool use_vertex_colors = true;
@@ -125,7 +58,7 @@ class Rasterizer {
       : view_(view), style_(style), scale_(std::clamp(style.supersampling, 1, 4)) {
     require(view.width > 0 && view.height > 0 && view.width <= 8192 && view.height <= 8192,
             "picture size: expected 1 to 8192 pixels a side");
-    camera_ = Frame(view, view.width * scale_, view.height * scale_);
+    camera_ = detail::RenderFrame(view, view.width * scale_, view.height * scale_);
     const std::size_t n = camera_.pixels();
     depth_.assign(n, kFar);
     surface_.assign(n, Fragment{});
@@ -140,7 +73,7 @@ class Rasterizer {
       const Eigen::Vector3d doubled = mesh.area_vector(t);
       if (!(doubled.squaredNorm() > 0.0)) continue;
       const Eigen::Vector3f flat = doubled.normalized().cast<float>();
-      std::array<Corner, 3> corners;
+      std::array<detail::RenderCorner, 3> corners;
       for (std::size_t k = 0; k < 3; ++k) {
         const auto v = static_cast<std::size_t>(mesh.triangles[t][k]);
         corners[k].world = mesh.vertices[v];
@@ -152,7 +85,7 @@ class Rasterizer {
       world_.extend(corners[0].world).extend(corners[1].world).extend(corners[2].world);
       if (style_.shadows)
         shadow_casters_.push_back({corners[0].world, corners[1].world, corners[2].world});
-      fill(camera_, corners, [&](std::size_t i, double z, const auto& weights) {
+      detail::fill_triangle(camera_, corners, [&](std::size_t i, double z, const auto& weights) {
         if (z >= depth_[i]) return;
         depth_[i] = static_cast<float>(z);
         const Eigen::Vector3d w = weights();
@@ -191,7 +124,9 @@ class Rasterizer {
 
   Image image() const {
     const int w = camera_.width, h = camera_.height;
-    const ShadowMap shadow = style_.shadows ? make_shadow_map() : ShadowMap{};
+    const detail::ShadowMap shadow =
+        style_.shadows ? detail::make_shadow_map(shadow_casters_, world_, style_.to_light)
+                       : detail::ShadowMap{};
     const std::vector<float> corners = corner_darkness();
     const Eigen::Vector3d to_light = style_.to_light.normalized();
     std::vector<Eigen::Vector3f> linear(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
@@ -260,121 +195,11 @@ class Rasterizer {
  private:
   static constexpr float kFar = std::numeric_limits<float>::infinity();
 
-  struct Corner {
-    Point3 world;
-    Eigen::Vector3f normal, color;
-  };
   struct Fragment {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     Rgb color{};
     std::uint8_t light = 0;
   };
-
-  /// A view's coordinates: camera x right, y down, z forward; pixels with centres at integers.
-  struct Frame {
-    Frame() = default;
-    Frame(const RenderView& view, int w, int h) : width(w), height(h), eye(view.eye) {
-      forward = (view.target - view.eye).stableNormalized();
-      if (!(forward.squaredNorm() > 0.5)) forward = Eigen::Vector3d::UnitX();
-      right = forward.cross(view.up);
-      if (right.norm() < 1e-9) right = forward.cross(Eigen::Vector3d::UnitY());
-      if (right.norm() < 1e-9) right = forward.cross(Eigen::Vector3d::UnitX());
-      right.normalize();
-      down = forward.cross(right);
-      orthographic = view.orthographic_height > 0.0;
-      focal =
-          orthographic ? h / view.orthographic_height : 0.5 * h / std::tan(0.5 * view.vertical_fov);
-      near = orthographic ? -1e9 : 1e-3 * std::max(1.0, (view.target - view.eye).norm());
-    }
-    int width = 0, height = 0;
-    Point3 eye = Point3::Zero();
-    Eigen::Vector3d forward, right, down;
-    bool orthographic = false;
-    double focal = 1.0, near = 0.0;
-
-    std::size_t pixels() const {
-      return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    }
-    std::size_t index(int x, int y) const {
-      return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-             static_cast<std::size_t>(x);
-    }
-    Point3 to_camera(const Point3& p) const {
-      const Eigen::Vector3d v = p - eye;
-      return {v.dot(right), v.dot(down), v.dot(forward)};
-    }
-    bool in_front(const Point3& c) const { return c.z() >= near; }
-    /// Pixel and depth.
-    Point3 project(const Point3& c) const {
-      const double s = orthographic ? focal : focal / c.z();
-      return {s * c.x() + 0.5 * (width - 1), s * c.y() + 0.5 * (height - 1), c.z()};
-    }
-    Point3 to_world(double x, double y, double z) const {
-      const double s = orthographic ? 1.0 / focal : z / focal;
-      return eye + (x - 0.5 * (width - 1)) * s * right + (y - 0.5 * (height - 1)) * s * down +
-             z * forward;
-    }
-    bool clip_near(Point3& a, Point3& b) const {
-      if (in_front(a) && in_front(b)) return true;
-      if (!in_front(a) && !in_front(b)) return false;
-      const Point3 cut = a + (near - a.z()) / (b.z() - a.z()) * (b - a);
-      (in_front(a) ? b : a) = cut;
-      return true;
-    }
-  };
-
-  /// Calls `put(pixel, depth, weights)` for the pixels of a triangle, cut at
-  /// the near plane.
-  template <typename Put>
-  static void fill(const Frame& frame, const std::array<Corner, 3>& corners, Put&& put) {
-    std::array<Point3, 3> c;
-    for (std::size_t k = 0; k < 3; ++k) c[k] = frame.to_camera(corners[k].world);
-    // Cut polygon: points of the camera frame with their weights in the whole triangle.
-    std::array<std::pair<Point3, Eigen::Vector3d>, 4> cut;
-    std::size_t n = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t m = (k + 1) % 3;
-      const bool here = frame.in_front(c[k]), there = frame.in_front(c[m]);
-      const auto unit = [](std::size_t i) {
-        return Eigen::Vector3d::Unit(static_cast<Eigen::Index>(i)).eval();
-      };
-      if (here) cut[n++] = {c[k], unit(k)};
-      if (here != there) {
-        const double f = (frame.near - c[k].z()) / (c[m].z() - c[k].z());
-        cut[n++] = {c[k] + f * (c[m] - c[k]), (1.0 - f) * unit(k) + f * unit(m)};
-      }
-    }
-    for (std::size_t k = 2; k < n; ++k) fill_front(frame, cut[0], cut[k - 1], cut[k], put);
-  }
-  template <typename Vertex, typename Put>
-  static void fill_front(const Frame& frame, const Vertex& va, const Vertex& vb, const Vertex& vc,
-                         Put&& put) {
-    const Point3 a = frame.project(va.first), b = frame.project(vb.first),
-                 c = frame.project(vc.first);
-    const double area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-    if (!(std::abs(area) > 1e-12)) return;
-    const auto whole = [](double v, double low, double high) {
-      return static_cast<int>(std::clamp(v, low, high));
-    };
-    const int x0 = whole(std::ceil(std::min({a.x(), b.x(), c.x()})), 0.0, frame.width);
-    const int x1 = whole(std::floor(std::max({a.x(), b.x(), c.x()})), -1.0, frame.width - 1);
-    const int y0 = whole(std::ceil(std::min({a.y(), b.y(), c.y()})), 0.0, frame.height);
-    const int y1 = whole(std::floor(std::max({a.y(), b.y(), c.y()})), -1.0, frame.height - 1);
-    // Perspective: what is linear on the screen is 1/z and weight/z.
-    const auto q = [&](const Point3& p) { return frame.orthographic ? 1.0 : 1.0 / p.z(); };
-    const double qa = q(a), qb = q(b), qc = q(c);
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) {
-        const double wa = ((b.x() - x) * (c.y() - y) - (b.y() - y) * (c.x() - x)) / area;
-        const double wb = ((c.x() - x) * (a.y() - y) - (c.y() - y) * (a.x() - x)) / area;
-        const double wc = 1.0 - wa - wb;
-        if (wa < -1e-9 || wb < -1e-9 || wc < -1e-9) continue;
-        const double sum = wa * qa + wb * qb + wc * qc;
-        const double ua = wa * qa / sum, ub = wb * qb / sum, uc = wc * qc / sum;
-        put(frame.index(x, y), ua * a.z() + ub * b.z() + uc * c.z(),
-            [&] { return Eigen::Vector3d(ua * va.second + ub * vb.second + uc * vc.second); });
-      }
-  }
 
   /// A stroke with round ends from `a` to `b` (pixels, depth).
   void stamp(const Point3& a, const Point3& b, double radius, Rgb color) {
@@ -400,50 +225,6 @@ class Rasterizer {
         overlay_[i] = color;
       }
     }
-  }
-
-  struct ShadowMap {
-    Frame frame;
-    std::vector<float> depth;
-    double texel = 0.0;
-    /// Share of the light that arrives, softened over neighbouring texels.
-    double light_at(const Point3& world, const Eigen::Vector3d& normal) const {
-      if (depth.empty()) return 1.0;
-      const Point3 p = frame.project(frame.to_camera(world + 2.0 * texel * normal));
-      const int cx = static_cast<int>(std::lround(p.x())),
-                cy = static_cast<int>(std::lround(p.y()));
-      double lit = 0.0, weight = 0.0;
-      for (int y = cy - 1; y <= cy + 1; ++y)
-        for (int x = cx - 1; x <= cx + 1; ++x) {
-          if (x < 0 || y < 0 || x >= frame.width || y >= frame.height) continue;
-          weight += 1.0;
-          if (depth[frame.index(x, y)] >= p.z() - 1.5 * texel) lit += 1.0;
-        }
-      return weight > 0.0 ? lit / weight : 1.0;
-    }
-  };
-  ShadowMap make_shadow_map() const {
-    ShadowMap map;
-    if (world_.isEmpty()) return map;
-    constexpr int kSide = 2048;
-    const Eigen::Vector3d to_light = style_.to_light.normalized();
-    RenderView view;
-    view.target = world_.center();
-    view.orthographic_height = world_.sizes().norm() * 1.01 + 1e-6;
-    view.eye = view.target + 2.0 * view.orthographic_height * to_light;
-    map.frame = Frame(view, kSide, kSide);
-    map.texel = view.orthographic_height / kSide;
-    map.depth.assign(map.frame.pixels(), kFar);
-    for (const auto& [a, b, c] : shadow_casters_) {
-      std::array<Corner, 3> corners;
-      corners[0].world = a;
-      corners[1].world = b;
-      corners[2].world = c;
-      fill(map.frame, corners, [&](std::size_t i, double z, const auto&) {
-        map.depth[i] = std::min(map.depth[i], static_cast<float>(z));
-      });
-    }
-    return map;
   }
 
   std::size_t output_index(int x, int y) const {
@@ -516,7 +297,7 @@ class Rasterizer {
   RenderView view_;
   RenderStyle style_;
   int scale_ = 1;
-  Frame camera_;
+  detail::RenderFrame camera_;
   Box3 world_;
   std::vector<std::array<Point3, 3>> shadow_casters_;
   std::vector<float> depth_, overlay_depth_;

@@ -102,6 +102,6 @@ inline void write_tum(const std::filesystem::path& path, std::span<const Stamped
 }
 inline Trajectory read_tum(const std::filesystem::path& path) {
   const Bytes bytes = read_file(path);
-  return parse_tum({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path.string());
+  return parse_tum(text_of(bytes), path.string());
 }
 }  // namespace surfleet

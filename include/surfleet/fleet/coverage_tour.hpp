@@ -20,10 +20,10 @@
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/lin_kernighan.hpp>
 #include <surfleet/core/error.hpp>
-#include <surfleet/fleet/flight_lattice.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
 /// Samples of a surface; three arrays of one length. A sheet that is to be seen from both sides is

@@ -6,49 +6,27 @@
 #include <cstdint>
 
 namespace surfleet {
-class ChangedRegions;
+struct AgentOptions;
 struct CoverageTour;
 struct CoverageTourOptions;
-class HeadingTable;
+struct KindSpace;
 struct KnownSurface;
-struct LeftBelowOptions;
 struct LoneClimbOptions;
-enum class LeftReason : std::uint8_t;
-class LookBound;
-class LookLedger;
-struct LookLedgerOptions;
-class MapSight;
-struct MissionOptions;
-struct MissionProgress;
-struct MissionResult;
 struct OpeningLookOptions;
 class OpeningLooks;
-class OptimisticLattice;
-struct OptimisticLatticeOptions;
-struct PlanRequest;
-struct PlanResult;
+struct Plan;
 class RatePlanner;
 struct RatePlannerOptions;
-struct RobotRequest;
-struct Sighting;
-class SightMemory;
-struct SightTarget;
-class SpaceCells;
-class SpaceLooks;
+struct ReplanRule;
+struct RobotKind;
+struct RobotState;
 struct SpaceLooksOptions;
 struct Stop;
-struct StopDistance;
-struct StraightFlight;
-class TeamFlights;
-struct TimedConfiguration;
+class SurfaceBelief;
+struct SurfaceBeliefOptions;
 struct TourAheadOptions;
 struct TourAheadStop;
 struct TourPlannerOptions;
 struct ToursBehindOptions;
 struct TourSite;
-class UnseenSpace;
-struct UnseenSpaceOptions;
-class ViewAccess;
-class ViewpointMemory;
-class WorthAround;
 }  // namespace surfleet

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/space_look.hpp>
+#include <surfleet/viewpoint/space_look.hpp>
 
 namespace surfleet {
 struct OpeningLookOptions {
@@ -36,11 +36,12 @@ class OpeningLooks {
   /// A look for a robot at `from`, or beside it at `start`, which is free; not the look it has just
   /// made. `way` begins at the last place known to be free, where the robot could be already.
   /// Nothing if no place can be reached from which something wanted shows.
-  std::optional<Stop> operator()(const PlanRequest& request, FlightLattice<FreeSpace>& lattice,
-                                 const LazyPrmStar::Reach& reach, const Configuration& from,
-                                 const Point3& start, std::span<const Point3> way) {
-    const double range = request.camera.max_range;
-    const FreeSpace& space = request.free_space;
+  std::optional<Stop> operator()(const SurfaceSituation& situation,
+                                 FlightLattice<FreeSpace>& lattice, const LazyPrmStar::Reach& reach,
+                                 const Configuration& from, const Point3& start,
+                                 std::span<const Point3> way) {
+    const double range = situation.space().kind.camera.max_range;
+    const FreeSpace& space = situation.space().free;
     SpaceCells cells(space.map());
     std::map<SpaceCells::Cell, double> wanted;
     double along = 0.0;
@@ -54,8 +55,8 @@ class OpeningLooks {
     if (wanted.empty()) return std::nullopt;
     std::vector<SpaceLooks::Wanted> list;
     for (const auto& [cell, worth] : wanted) list.push_back({cell, worth});
-    SpaceLooks::Search search(looks_, lattice, std::move(list), space.map(), request.headings,
-                              options.sight_share * range);
+    SpaceLooks::Search search(looks_, lattice, std::move(list), space.map(),
+                              situation.space().headings, options.sight_share * range);
     const Point3& last = way.front();
     const double direct = (last - start).norm();
     const auto look = search.best(

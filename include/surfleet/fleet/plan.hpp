@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What a mission asks of a planner, and what it gets back.
+/// @brief What a planner is asked, and what it answers.
 #pragma once
 
+#include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,14 +16,8 @@
 #include <vector>
 
 #include <surfleet/core/error.hpp>
-#include <surfleet/fleet/left_reason.hpp>
-#include <surfleet/fleet/look_ledger.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
-#include <surfleet/geometry/pinhole_camera.hpp>
-#include <surfleet/mapping/voxel_state_map.hpp>
-#include <surfleet/motion/free_space.hpp>
-#include <surfleet/motion/lazy_prm.hpp>
-#include <surfleet/viewpoint/incomplete_surface.hpp>
+#include <surfleet/fleet/surface_belief.hpp>
+#include <surfleet/viewpoint/left_reason.hpp>
 
 namespace surfleet {
 /// One stop of a robot: where to be, and which elements are to be looked at from there.
@@ -31,39 +28,54 @@ struct Stop {
 /// What a robot is to do, in order.
 using Stops = std::vector<Stop>;
 
-/// A robot as the planner sees it.
-struct RobotRequest {
-  Configuration configuration;  ///< Where it is, or will be when it can follow a new route.
-  bool idle = true;             ///< It has nothing left to do and waits for a route.
-  Stops remaining;              ///< What it still has to do; empty if idle.
+/// A robot as its team knows it.
+struct RobotState {
+  RobotId id = 0;
+  RobotKindId kind = 0;
+  Configuration at;           ///< Where it is, or will be when it can follow a new route.
+  std::vector<Point3> ahead;  ///< The path it is on, from where it is.
+  Stops route;                ///< What it still has to do.
+  bool idle = true;           ///< It has nothing to do.
+  double age = 0.0;           ///< Of this news [s].
 };
 
-/// Everything a planner may look at. All views are of the mission's own state and last for the
-/// call.
-struct PlanRequest {
-  std::span<const IncompleteElement> work;  ///< Elements worth planning for, in voxel order.
-  const IncompleteSurface& incomplete;      ///< All of them, also those given up.
-  const VoxelStateMap& known;               ///< States at W_th: what is complete.
-  const VoxelStateMap& observed;  ///< States at a lower weight: what to fly and look through.
-  const LookLedger& ledger;       ///< What was looked at in vain.
-  const FreeSpace& free_space;
-  LazyPrmStar& roadmap;
-  const PinholeCamera& camera;
-  const Pose& T_body_camera;
-  const HeadingTable& headings;  ///< Of that camera on that mount.
-  Box3 region;                   ///< Where surface is to be reconstructed.
-  std::span<const RobotRequest> robots;
-  double time = 0.0;        ///< Of the mission [s].
-  std::uint64_t round = 0;  ///< Number of this request: a seed that never repeats.
+/// Everything a planner may look at: a value, whose views last for the call.
+template <typename Belief>
+struct Situation {
+  const Belief& belief;
+  std::span<const typename Belief::Goal> goals;  ///< Worth planning for, in voxel order.
+  std::span<const RobotId> asked;                ///< Those to plan for, ascending.
+  std::span<const RobotState> team;              ///< All, always, by ascending id.
+  double time = 0.0;                             ///< [s]
+  std::uint64_t seed = 0;                        ///< Never the same twice.
 
-  bool is_team() const { return robots.size() > 1; }  ///< Or one robot alone.
-  /// Height of the region over the camera's range.
-  double relative_height() const { return region.sizes().z() / camera.max_range; }
+  bool alone() const { return team.size() == 1; }
+  bool is_asked(RobotId id) const { return std::binary_search(asked.begin(), asked.end(), id); }
+  /// Throws `Error` for a robot that is not of the team.
+  const RobotState& robot(RobotId id) const {
+    const auto it = std::lower_bound(team.begin(), team.end(), id,
+                                     [](const RobotState& r, RobotId i) { return r.id < i; });
+    require(it != team.end() && it->id == id,
+            "robot " + std::to_string(id) + ": expected one of the team");
+    return *it;
+  }
+  /// Space and views of the robots planned for, which are of one kind; of the team's first if
+  /// there are none.
+  const auto& space() const {
+    return belief.space(asked.empty() ? (team.empty() ? 0 : team.front().kind)
+                                      : robot(asked.front()).kind);
+  }
 };
+using SurfaceSituation = Situation<SurfaceBelief>;
+
+/// Height of the region over the camera's range.
+inline double relative_height(const SurfaceSituation& s) {
+  return s.belief.region().sizes().z() / s.space().kind.camera.max_range;
+}
 
 /// When the next plan is wanted, and how robots come to follow it.
 struct ReplanRule {
-  /// When this share of what a route was made for is complete; if not said, the mission's own share
+  /// When this share of what a route was made for is complete; if not said, the fleet's own share
   /// decides.
   std::optional<double> utility_share;
   /// Whether robots under way turn to their next stop without braking first, if it lies ahead.
@@ -74,33 +86,41 @@ struct ReplanRule {
 };
 
 /// New routes and the elements for which the planner found none.
-struct PlanResult {
-  /// One a robot: nothing keeps the route it has, an empty route takes it away.
-  std::vector<std::optional<Stops>> routes;
+struct Plan {
+  /// By robot: who is not named keeps the route it has; an empty route takes it away.
+  std::map<RobotId, Stops> routes;
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible;
   ReplanRule replan{};
+
+  /// Whether nobody is given anything to do.
+  bool nothing() const {
+    return std::all_of(routes.begin(), routes.end(),
+                       [](const auto& route) { return route.second.empty(); });
+  }
 };
 
-/// A high-level planner: turns the state of the map into routes. It may keep state between calls,
-/// of that map, so a planner is for one mission. Models: `TourPlanner` (TSGA, NNB and their kin),
+/// A high-level planner: turns what is believed into routes. It may keep state between calls, of
+/// that belief, so a planner is for one mission. Models: `TourPlanner` (TSGA, NNB and their kin),
 /// `RatePlanner`, `RateThenTours`, `ToursBehind`, `WithSpaceLooks`.
 template <typename P>
-concept FleetPlanner = requires(P& planner, const PlanRequest& request) {
-  { planner(request) } -> std::same_as<PlanResult>;
+concept FleetPlanner = requires(P& planner, const SurfaceSituation& situation) {
+  { planner(situation) } -> std::same_as<Plan>;
 };
 
-/// The planner's answer. Throws `Error` if that is not of as many routes as there are robots.
+/// The planner's answer. Throws `Error` if it answers for nobody who was asked, or names a robot
+/// that is not of the team.
 template <FleetPlanner P>
-PlanResult ask(P& planner, const PlanRequest& request) {
-  PlanResult result = planner(request);
-  require(result.routes.size() == request.robots.size(),
-          "planner: gave " + std::to_string(result.routes.size()) + " routes to " +
-              std::to_string(request.robots.size()) +
-              " robots; expected one for each, nothing to keep the route it has");
-  return result;
+Plan ask(P& planner, const SurfaceSituation& situation) {
+  Plan plan = planner(situation);
+  for (const RobotId id : situation.asked)
+    require(plan.routes.contains(id), "planner: gave robot " + std::to_string(id) +
+                                          " no route; expected one for each that was asked for, "
+                                          "empty for nothing to do");
+  for (const auto& [id, route] : plan.routes) situation.robot(id);
+  return plan;
 }
 
 /// Any copyable planner behind one type, so that what takes a planner is compiled once.
-using AnyPlanner = std::function<PlanResult(const PlanRequest&)>;
+using AnyPlanner = std::function<Plan(const SurfaceSituation&)>;
 static_assert(FleetPlanner<AnyPlanner>);
 }  // namespace surfleet

@@ -15,20 +15,20 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/flight_lattice.hpp>
-#include <surfleet/fleet/left_below.hpp>
-#include <surfleet/fleet/look_bound.hpp>
 #include <surfleet/fleet/opening_look.hpp>
-#include <surfleet/fleet/optimistic_lattice.hpp>
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
-#include <surfleet/fleet/team_flights.hpp>
 #include <surfleet/fleet/tour_ahead.hpp>
-#include <surfleet/fleet/unseen_space.hpp>
-#include <surfleet/fleet/worth_around.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/motion/optimistic_lattice.hpp>
 #include <surfleet/motion/taut_path.hpp>
+#include <surfleet/motion/team_flights.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
+#include <surfleet/viewpoint/left_below.hpp>
+#include <surfleet/viewpoint/look_bound.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>
+#include <surfleet/viewpoint/unseen_space.hpp>
+#include <surfleet/viewpoint/worth_around.hpp>
 
 namespace surfleet {
 /// Of one drone alone in a region that has to be climbed.
@@ -122,52 +122,51 @@ class RatePlanner {
   /// The most that any look tried by the last call would have shown [m²].
   double broadest_look() const { return broadest_; }
 
-  PlanResult operator()(const PlanRequest& request) {
-    const double range = request.camera.max_range;
-    const bool climb_alone = climbs_alone(request);
+  Plan operator()(const SurfaceSituation& situation) {
+    const double range = situation.space().kind.camera.max_range;
+    const bool climb_alone = climbs_alone(situation);
     const double sight = climb_alone ? options.climb_alone.sight_share : options.sight_share;
-    const SightTargets targets(make_targets(request), MapSight(request.observed), request.headings,
-                               {.max_range = sight * range});
-    FlightLattice<FreeSpace>& lattice = follow(request.free_space, options.spacing_share * range);
+    const SightTargets targets(make_targets(situation), MapSight(situation.belief.observed()),
+                               situation.space().headings, {.max_range = sight * range});
+    FlightLattice<FreeSpace>& lattice =
+        follow(situation.space().free, options.spacing_share * range);
     const WorthAround around(targets.all(), targets.reach());
-    const LookBound most(targets.all(), lattice, request.headings, targets.reach());
-    const Search search{request, lattice, targets, around, most};
+    const LookBound most(targets.all(), lattice, situation.space().headings, targets.reach());
+    const Search search{situation, lattice, targets, around, most};
     sites_.clear();
     std::vector<char> done(targets.size(), 0);
     broadest_ = 0.0;
 
-    PlanResult result;
+    Plan result;
     result.replan.turn_in_flight = true;
     if (climb_alone) {
       result.replan.utility_share = options.climb_alone.utility_share;
       result.replan.watch_on = true;
     }
-    result.routes.resize(request.robots.size());
-    std::vector<std::size_t> waiting;
+    std::vector<RobotId> waiting;
     // Where those who wait will go is not settled before it is their turn.
-    const double gap = 2.0 * request.free_space.options().radius + TrafficOptions{}.clearance;
+    const double gap = 2.0 * situation.space().free.options().radius + TrafficOptions{}.clearance;
     TeamFlights flights(gap);
     const TeamFlights nobody(gap);
-    for (std::size_t r = 0; r < request.robots.size(); ++r) {
-      if (request.robots[r].idle) {
-        waiting.push_back(r);
-        note_what_is_left(search, request.robots[r].configuration);
+    for (const RobotState& robot : situation.team) {
+      if (situation.is_asked(robot.id)) {
+        waiting.push_back(robot.id);
+        note_what_is_left(search, robot.at);
       } else {
-        for (const Stop& stop : request.robots[r].remaining)
+        for (const Stop& stop : robot.route)
           mark_in_view(targets.seen_from(stop.configuration.position),
                        nearest_heading(stop.configuration.yaw), done, [](std::size_t) {});
-        const RobotRequest& robot = request.robots[r];
-        const Configuration& at = robot.configuration;
-        flights.settle({at.position, robot.remaining.empty()
+        const Configuration& at = robot.at;
+        flights.settle({at.position, robot.route.empty()
                                          ? at.position
-                                         : robot.remaining.front().configuration.position});
+                                         : robot.route.front().configuration.position});
       }
     }
     last_rate_ = 0.0;
-    if (options.ahead > 0 && !request.is_team() && !waiting.empty()) {
+    if (options.ahead > 0 && situation.alone() && !waiting.empty()) {
       auto [route, rate] = begin_tour(search, done);
       if (!route.empty()) {
-        result.routes[0] = std::move(route);
+        result.routes[waiting.front()] = std::move(route);
         last_rate_ = rate;
         waiting.clear();
       }
@@ -176,7 +175,7 @@ class RatePlanner {
       std::optional<Candidate> best;
       std::size_t who = 0;
       for (std::size_t w = 0; w < waiting.size(); ++w) {
-        const auto c = best_stop(search, done, request.robots[waiting[w]].configuration, flights);
+        const auto c = best_stop(search, done, situation.robot(waiting[w]).at, flights);
         if (c && (!best || c->rate > best->rate)) {
           best = c;
           who = w;
@@ -184,26 +183,25 @@ class RatePlanner {
       }
       if (!best) break;
       last_rate_ = std::max(last_rate_, best->rate);
-      flights.settle(
-          {request.robots[waiting[who]].configuration.position, best->configuration.position});
+      flights.settle({situation.robot(waiting[who]).at.position, best->configuration.position});
       Stops route;
       Configuration at = best->configuration;
-      route.push_back(make_stop(request, *best, done));
+      route.push_back(make_stop(situation, *best, done));
       for (int s = 1; s < options.stops; ++s) {
         const auto next = best_stop(search, done, at, nobody);
         if (!next || next->rate < 0.5 * best->rate) break;
         at = next->configuration;
-        route.push_back(make_stop(request, *next, done));
+        route.push_back(make_stop(situation, *next, done));
       }
       result.routes[waiting[who]] = std::move(route);
       waiting.erase(waiting.begin() + static_cast<std::ptrdiff_t>(who));
     }
-    for (const std::size_t r : waiting) result.routes[r] = Stops{};
+    for (const RobotId r : waiting) result.routes[r] = Stops{};
     // With everybody waiting and nothing found, what is left is in view from nowhere on the
     // lattice.
-    const bool nowhere = last_rate_ <= 0.0 && waiting.size() == request.robots.size();
-    for (const IncompleteElement& e : request.work) {
-      if (!request.ledger.fresh(e.voxel))
+    const bool nowhere = last_rate_ <= 0.0 && waiting.size() == situation.team.size();
+    for (const IncompleteElement& e : situation.goals) {
+      if (!situation.belief.ledger().fresh(e.voxel))
         result.impossible.emplace_back(e.voxel, LeftReason::seen_incomplete);
       else if (nowhere)
         result.impossible.emplace_back(e.voxel, LeftReason::no_free_pose);
@@ -213,7 +211,7 @@ class RatePlanner {
 
  private:
   struct Search {
-    const PlanRequest& request;
+    const SurfaceSituation& situation;
     FlightLattice<FreeSpace>& lattice;
     const SightTargets<>& targets;
     const WorthAround& around;
@@ -226,18 +224,18 @@ class RatePlanner {
     int heading = 0;
   };
 
-  bool has_to_climb(const PlanRequest& request) const {
-    return request.relative_height() > options.climb_height;
+  bool has_to_climb(const SurfaceSituation& situation) const {
+    return relative_height(situation) > options.climb_height;
   }
-  bool climbs_alone(const PlanRequest& request) const {
-    return has_to_climb(request) && request.robots.size() == 1;
+  bool climbs_alone(const SurfaceSituation& situation) const {
+    return has_to_climb(situation) && situation.alone();
   }
 
   /// Elements in cells of two voxels that face alike are one target, stood for by its first.
-  std::vector<SightTarget> make_targets(const PlanRequest& request) {
-    const double voxel = request.known.voxel_size();
-    const bool climb_alone = climbs_alone(request);
-    VoxelStateMap::Accessor observed(request.observed);
+  std::vector<SightTarget> make_targets(const SurfaceSituation& situation) {
+    const double voxel = situation.belief.known().voxel_size();
+    const bool climb_alone = climbs_alone(situation);
+    VoxelStateMap::Accessor observed(situation.belief.observed());
     const auto seen_share = [&](const VoxelIndex& v) {
       return climb_alone && observed(v) != VoxelState::unknown ? options.climb_alone.seen_share
                                                                : 1.0;
@@ -245,9 +243,9 @@ class RatePlanner {
     std::vector<SightTarget> targets;
     members_.clear();
     std::unordered_map<std::uint64_t, std::size_t> groups;
-    for (std::size_t i = 0; i < request.work.size(); ++i) {
-      const IncompleteElement& e = request.work[i];
-      if (!request.ledger.fresh(e.voxel)) continue;
+    for (std::size_t i = 0; i < situation.goals.size(); ++i) {
+      const IncompleteElement& e = situation.goals[i];
+      if (!situation.belief.ledger().fresh(e.voxel)) continue;
       int axis = 0;
       e.direction.cwiseAbs().maxCoeff(&axis);
       std::uint64_t key = static_cast<std::uint64_t>(2 * axis + (e.direction[axis] > 0.0 ? 1 : 0));
@@ -261,27 +259,28 @@ class RatePlanner {
       targets[it->second].worth += seen_share(e.voxel) * options.element_faces * voxel * voxel;
       members_[it->second].push_back(static_cast<std::int32_t>(i));
     }
-    const double range = request.camera.max_range;
+    const double range = situation.space().kind.camera.max_range;
     const double reach =
         (climb_alone ? options.climb_alone.prediction_share : options.prediction_share) * range;
-    for (const PredictedPatch& p :
-         predict_surface(request.work, request.known,
-                         {.reach = reach, .step = 2.0 * voxel, .region = request.region}, frames_))
+    for (const PredictedPatch& p : predict_surface(
+             situation.goals, situation.belief.known(),
+             {.reach = reach, .step = 2.0 * voxel, .region = situation.belief.region()}, frames_))
       targets.push_back({p.position, p.normal,
                          options.prediction_worth * p.area *
-                             seen_share(request.observed.grid().index_of(p.position)) *
+                             seen_share(situation.belief.observed().grid().index_of(p.position)) *
                              (climb_alone ? vain_share(p.position, voxel) : 1.0),
                          static_cast<int>(reach / voxel)});
     first_space_ = targets.size();
     if (climb_alone)
       for (SightTarget& t : targets)
-        t.worth *=
-            worth_left_below(request.robots.front().configuration.position, t.position,
-                             request.region.min().z(), range, options.climb_alone.left_below);
+        t.worth *= worth_left_below(situation.team.front().at.position, t.position,
+                                    situation.belief.region().min().z(), range,
+                                    options.climb_alone.left_below);
     if (options.space_worth > 0.0) {
-      space_.update(request.observed, request.region, options.space_share * range);
+      space_.update(situation.belief.observed(), situation.belief.region(),
+                    options.space_share * range);
       const WorthAround surface(targets, options.space_near * range);
-      const bool climb_together = has_to_climb(request) && request.is_team();
+      const bool climb_together = has_to_climb(situation) && !situation.alone();
       const double full =
           (climb_together ? options.climb_space_full : options.space_full) * range * range;
       const double limit = climb_together ? options.climb_space_most : 1.0;
@@ -382,8 +381,8 @@ class RatePlanner {
     mark_in_view(view.seen, heading, done, [&](std::size_t id) {
       if (id >= first_space_)
         space_.note_look(id - first_space_);
-      else if (id >= members_.size() && climbs_alone(s.request))
-        ++vain_looks_[vain_key(s.targets[id].position, s.request.known.voxel_size())];
+      else if (id >= members_.size() && climbs_alone(s.situation))
+        ++vain_looks_[vain_key(s.targets[id].position, s.situation.belief.known().voxel_size())];
     });
   }
   bool is_vain(std::size_t site, std::size_t heading, double worth) const {
@@ -400,9 +399,9 @@ class RatePlanner {
                                      const Configuration& from, const TeamFlights& flights) {
     std::optional<Candidate> best;
     if (s.targets.size() == 0) return best;
-    const Point3 start = s.request.free_space.free_start(from.position);
-    const LazyPrmStar::Reach reach = s.request.roadmap.reach_from(start);
-    const double stop_cost = options.stop_share * s.request.camera.max_range;
+    const Point3 start = s.situation.space().free.free_start(from.position);
+    const LazyPrmStar::Reach reach = s.situation.space().roadmap.reach_from(start);
+    const double stop_cost = options.stop_share * s.situation.space().kind.camera.max_range;
     std::array<double, kHeadings> turn;
     for (int k = 0; k < kHeadings; ++k)
       turn[static_cast<std::size_t>(k)] =
@@ -420,7 +419,7 @@ class RatePlanner {
       if (!beats(options.view_share * s.around.largest(), least_cost)) return false;
       double cost = least_cost;
       if (flights.meet({from.position, site.position}))
-        cost += options.meeting_share * s.request.camera.max_range;
+        cost += options.meeting_share * s.situation.space().kind.camera.max_range;
       const auto could_be_best = [&] {
         if (!beats(s.most.at_any_heading(site.cell), cost)) return false;
         const auto most = s.most(site.cell);
@@ -466,7 +465,7 @@ class RatePlanner {
       return true;
     };
     s.lattice.search(start, visit, [&](std::span<const Point3> places) {
-      return s.request.roadmap.distances(start, places);
+      return s.situation.space().roadmap.distances(start, places);
     });
     return best;
   }
@@ -546,14 +545,14 @@ class RatePlanner {
   /// The first stops of a tour ahead for one drone, or the look that opens the way there, and the
   /// best rate on that tour.
   std::pair<Stops, double> begin_tour(const Search& s, std::vector<char>& done) {
-    const PlanRequest& request = s.request;
-    const double range = request.camera.max_range;
-    const Configuration& from = request.robots.front().configuration;
-    const Point3 start = request.free_space.free_start(from.position);
-    const LazyPrmStar::Reach reach = request.roadmap.reach_from(start);
+    const SurfaceSituation& situation = s.situation;
+    const double range = situation.space().kind.camera.max_range;
+    const Configuration& from = situation.team.front().at;
+    const Point3 start = situation.space().free.free_start(from.position);
+    const LazyPrmStar::Reach reach = situation.space().roadmap.reach_from(start);
     optimistic_.options = options.ways;
-    optimistic_.follow(request.free_space, s.lattice.spacing());
-    const bool climb = climbs_alone(request);
+    optimistic_.follow(situation.space().free, s.lattice.spacing());
+    const bool climb = climbs_alone(situation);
     LooksAhead looks(*this, s, done,
                      climb ? options.climb_alone.unknown_worth : options.unknown_worth);
     const double farthest = (climb ? options.climb_alone.reach : options.ahead_reach) * range;
@@ -582,7 +581,8 @@ class RatePlanner {
         if (way.size() == 1 && s.lattice.is_free(c)) way.clear();
         way.push_back(s.lattice.position(c));
       }
-      if (auto look = opening_(request, s.lattice, reach, from, start, way)) route.push_back(*look);
+      if (auto look = opening_(situation, s.lattice, reach, from, start, way))
+        route.push_back(*look);
       return {std::move(route), rate};
     }
     std::vector<Point3> places;
@@ -601,7 +601,7 @@ class RatePlanner {
       if (climb && k == 0) goal_ = c.site;
       auto moved = moved_stop(s, c, taut[k], done);
       if (moved) moved_.emplace_back(moved->configuration.position, place.cell);
-      route.push_back(moved ? *std::move(moved) : make_stop(request, c, done));
+      route.push_back(moved ? *std::move(moved) : make_stop(situation, c, done));
     }
     return {std::move(route), rate};
   }
@@ -616,26 +616,27 @@ class RatePlanner {
     for (const double share : {1.0, 0.67, 0.33}) {
       const Point3 p = place + share * (wish - place);
       if ((p - place).norm() < kLeastMove) break;
-      if (!s.request.free_space.is_free(p) || !s.request.free_space.is_free_segment(p, place))
+      if (!s.situation.space().free.is_free(p) ||
+          !s.situation.space().free.is_free_segment(p, place))
         continue;
       const std::vector<Sighting> seen = s.targets.seen_from(p);
       if (worth(seen) >= options.climb_alone.slack_worth * worth(sites_.at(c.site).seen))
-        return make_stop(s.request, {p, c.configuration.yaw}, seen, c.heading, done);
+        return make_stop(s.situation, {p, c.configuration.yaw}, seen, c.heading, done);
     }
     return std::nullopt;
   }
 
   /// Marks what the stop sees and names the incomplete elements among it.
-  Stop make_stop(const PlanRequest& request, const Candidate& c, std::vector<char>& done) {
-    return make_stop(request, c.configuration, sites_.at(c.site).seen, c.heading, done);
+  Stop make_stop(const SurfaceSituation& situation, const Candidate& c, std::vector<char>& done) {
+    return make_stop(situation, c.configuration, sites_.at(c.site).seen, c.heading, done);
   }
-  Stop make_stop(const PlanRequest& request, const Configuration& at,
+  Stop make_stop(const SurfaceSituation& situation, const Configuration& at,
                  std::span<const Sighting> seen, int heading, std::vector<char>& done) {
     Stop stop{at, {}};
     mark_in_view(seen, heading, done, [&](std::size_t id) {
       if (id >= members_.size()) return;
       for (const std::int32_t i : members_[id])
-        stop.targets.push_back(request.work[static_cast<std::size_t>(i)].voxel);
+        stop.targets.push_back(situation.goals[static_cast<std::size_t>(i)].voxel);
     });
     return stop;
   }

@@ -44,14 +44,14 @@ class RateThenTours {
   explicit RateThenTours(First f = First{}, Then t = Then{})
       : first(std::move(f)), then(std::move(t)) {}
 
-  PlanResult operator()(const PlanRequest& request) {
-    PlanResult result = choose(request);
-    result.replan = rule(request);
+  Plan operator()(const SurfaceSituation& situation) {
+    Plan result = choose(situation);
+    result.replan = rule(situation);
     return result;
   }
-  ReplanRule rule(const PlanRequest& request) const {
+  ReplanRule rule(const SurfaceSituation& situation) const {
     return {.utility_share = first_rule_.utility_share.value_or(
-                request.is_team() ? team_utility_share : lone_utility_share),
+                !situation.alone() ? team_utility_share : lone_utility_share),
             .turn_in_flight = true,
             .watch_on = first_rule_.watch_on};
   }
@@ -59,44 +59,44 @@ class RateThenTours {
   bool touring() const { return touring_; }
 
  private:
-  PlanResult choose(const PlanRequest& request) {
-    PlanResult result = ask(first, request);
+  Plan choose(const SurfaceSituation& situation) {
+    Plan result = ask(first, situation);
     first_rule_ = result.replan;
     const double rate = first.last_rate(), look = first.broadest_look();
     broadest_ = std::max(broadest_, look);
     const bool is_broad = look >= broad * broadest_ && rate > 0.0;
     if (touring_) {
-      if (!is_broad) return ask(then, request);
+      if (!is_broad) return ask(then, situation);
       touring_ = false;
       toured_ = true;
       recent_ = mean_;
-      return without_far_goals(request, std::move(result));
+      return without_far_goals(situation, std::move(result));
     }
     mean_ += (rate - mean_) / static_cast<double>(++count_);
-    const double window = static_cast<double>(memory) * static_cast<double>(request.robots.size());
+    const double window = static_cast<double>(memory) * static_cast<double>(situation.team.size());
     recent_ += (rate - recent_) / std::min(window, static_cast<double>(count_));
-    const bool all_idle = std::all_of(request.robots.begin(), request.robots.end(),
-                                      [](const RobotRequest& r) { return r.idle; });
-    const double share = request.is_team() ? team_share : lone_share;
+    const bool all_idle = situation.asked.size() == situation.team.size();
+    const double share = !situation.alone() ? team_share : lone_share;
     touring_ = (recent_ < share * mean_ && !is_broad) || (all_idle && rate <= 0.0);
-    return touring_ ? ask(then, request) : without_far_goals(request, std::move(result));
+    return touring_ ? ask(then, situation) : without_far_goals(situation, std::move(result));
   }
   /// In a team that has toured, gives those whose goal is far the tours they would be on.
-  PlanResult without_far_goals(const PlanRequest& request, PlanResult result) {
-    if (!toured_ || !request.is_team()) return result;
-    std::vector<std::size_t> robots;
-    for (std::size_t r = 0; r < result.routes.size(); ++r) {
-      const auto& route = result.routes[r];
-      if (!route || route->empty()) continue;
-      const Point3& goal = route->front().configuration.position;
-      if ((goal - request.robots[r].configuration.position).norm() > far * request.camera.max_range)
+  Plan without_far_goals(const SurfaceSituation& situation, Plan result) {
+    if (!toured_ || situation.alone()) return result;
+    std::vector<RobotId> robots;
+    for (const auto& [r, route] : result.routes) {
+      if (route.empty()) continue;
+      const Point3& goal = route.front().configuration.position;
+      if ((goal - situation.robot(r).at.position).norm() >
+          far * situation.space().kind.camera.max_range)
         robots.push_back(r);
     }
     if (robots.empty()) return result;
-    PlanResult tours = ask(then, request);
-    for (const std::size_t r : robots)
-      if (tours.routes[r] && !tours.routes[r]->empty())
-        result.routes[r] = std::move(tours.routes[r]);
+    Plan tours = ask(then, situation);
+    for (const RobotId r : robots)
+      if (const auto tour = tours.routes.find(r);
+          tour != tours.routes.end() && !tour->second.empty())
+        result.routes[r] = std::move(tour->second);
     return result;
   }
 

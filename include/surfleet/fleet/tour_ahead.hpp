@@ -17,7 +17,7 @@
 #include <surfleet/allocation/lin_kernighan.hpp>
 #include <surfleet/core/rotation.hpp>
 #include <surfleet/core/types.hpp>
-#include <surfleet/fleet/sight_targets.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
 /// What a place would show at each heading.

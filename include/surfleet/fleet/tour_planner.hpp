@@ -17,11 +17,11 @@
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/improve_allocation.hpp>
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/view_access.hpp>
-#include <surfleet/fleet/view_memory.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
+#include <surfleet/viewpoint/view_access.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
+#include <surfleet/viewpoint/view_memory.hpp>
 #include <surfleet/viewpoint/viewpoint_clustering.hpp>
 #include <surfleet/viewpoint/viewpoint_cover.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
@@ -41,7 +41,7 @@ struct ViewSelection {
   const ViewpointSet& views;                    ///< One for each element that has one.
   std::span<const IncompleteElement> elements;  ///< Their targets.
   const ViewFrustum& frustum;
-  const PlanRequest& request;
+  const SurfaceSituation& situation;
   std::span<const LazyPrmStar::Reach> reach;  ///< Of the robots that are planned for.
   SightMemory& revealed;  ///< Of what such a selector finds the views to reveal.
 };
@@ -55,19 +55,20 @@ struct MergeNearby {
   MergeOptions merge;  ///< ε and "almost parallel".
   std::vector<Viewpoint> operator()(const ViewSelection& s) const {
     const auto is_free = [&](const Configuration& q) {
-      return s.request.free_space.is_free(q.position) && any_reaches(s.reach, q.position);
+      return s.situation.space().free.is_free(q.position) && any_reaches(s.reach, q.position);
     };
-    return merge_viewpoints(s.views, merge,
-                            SeesTargets{s.elements, &s.request.observed, s.frustum, is_free});
+    return merge_viewpoints(
+        s.views, merge,
+        SeesTargets{s.elements, &s.situation.belief.observed(), s.frustum, is_free});
   }
 };
 /// As few as reveal them all, each in fair view and from a side not looked at in vain.
 struct CoverGreedily {
   double max_incidence = 1.16;  ///< Greatest angle between n̄_v and the line of sight [rad].
   std::vector<Viewpoint> operator()(const ViewSelection& s) const {
-    const IncompleteSurfaceGain gain(s.elements, s.request.observed, s.frustum);
+    const IncompleteSurfaceGain gain(s.elements, s.situation.belief.observed(), s.frustum);
     const double least = std::cos(max_incidence);
-    LineOfSight line(s.request.observed);
+    LineOfSight line(s.situation.belief.observed());
     const auto element = [&](std::int32_t id) -> const IncompleteElement& {
       return s.elements[static_cast<std::size_t>(id)];
     };
@@ -84,7 +85,8 @@ struct CoverGreedily {
     });
     for (std::size_t i = 0; i < revealed.size(); ++i)
       std::erase_if(revealed[i], [&](std::int32_t id) {
-        return !s.request.ledger.promises(element(id).voxel, to_eye(s.views[i].configuration, id));
+        return !s.situation.belief.ledger().promises(element(id).voxel,
+                                                     to_eye(s.views[i].configuration, id));
       });
     return cover_viewpoints(s.views, std::move(revealed));
   }
@@ -132,56 +134,57 @@ class TourPlanner {
         improve(std::move(i)),
         select(std::move(s)) {}
 
-  PlanResult operator()(const PlanRequest& request) {
-    PlanResult result;
+  Plan operator()(const SurfaceSituation& situation) {
+    Plan result;
     result.replan = options.replan;
-    result.routes.resize(request.robots.size());
-    std::vector<std::size_t> serve;
+    std::vector<RobotId> serve;
     std::vector<Configuration> starts;
-    for (std::size_t r = 0; r < request.robots.size(); ++r)
-      if (request.robots[r].idle || !options.asynchronous) {
-        serve.push_back(r);
-        starts.push_back(request.robots[r].configuration);
+    for (const RobotState& robot : situation.team)
+      if (!options.asynchronous || situation.is_asked(robot.id)) {
+        serve.push_back(robot.id);
+        starts.push_back(robot.at);
       }
     if (serve.empty()) return result;
-    for (const std::size_t r : serve) result.routes[r] = Stops{};
-    const std::vector<IncompleteElement> elements = unassigned(request);
+    for (const RobotId r : serve) result.routes[r] = Stops{};
+    const std::vector<IncompleteElement> elements = unassigned(situation);
 
     // Viewpoints, and the elements there is none for.
-    const ViewFrustum frustum(request.camera, request.T_body_camera);
+    const ViewFrustum frustum(situation.space().kind.camera, situation.space().kind.T_body_camera);
     const auto is_free = [&](const Configuration& q) {
-      return request.free_space.is_free(q.position);
+      return situation.space().free.is_free(q.position);
     };
     std::vector<LazyPrmStar::Reach> reach;
-    for (const Configuration& s : starts) reach.push_back(request.roadmap.reach_from(s.position));
+    for (const Configuration& s : starts)
+      reach.push_back(situation.space().roadmap.reach_from(s.position));
     const auto is_reachable = [&](const Configuration& q) {
       return any_reaches(reach, q.position);
     };
     const auto promises = [&](const IncompleteElement& e, const Eigen::Vector3d& direction) {
-      return request.ledger.promises(e.voxel, direction);
+      return situation.belief.ledger().promises(e.voxel, direction);
     };
-    const std::vector<Box3> changed = changed_(request.known, request.observed, request.free_space);
+    const std::vector<Box3> changed =
+        changed_(situation.belief.known(), situation.belief.observed(), situation.space().free);
     viewpoints_.forget(changed);
     seen_.forget(changed);
     revealed_.forget(changed);
     if (options.asynchronous && options.exclusive) seen_ = revealed_ = {};  // others' work returns
     ViewpointGenerator generate(
-        request.observed, request.camera,
-        {.distance = options.distance, .T_body_camera = request.T_body_camera});
+        situation.belief.observed(), situation.space().kind.camera,
+        {.distance = options.distance, .T_body_camera = situation.space().kind.T_body_camera});
     const ViewpointSet set =
-        viewpoints_(generate, elements, request.ledger, is_free, is_reachable, promises);
+        viewpoints_(generate, elements, situation.belief.ledger(), is_free, is_reachable, promises);
     for (const UnseenElement& u : set.unseen)
       result.impossible.emplace_back(elements[static_cast<std::size_t>(u.element)].voxel,
                                      left_reason(u.reason));
     const std::vector<Viewpoint> views =
-        select(ViewSelection{set, elements, frustum, request, reach, revealed_});
+        select(ViewSelection{set, elements, frustum, situation, reach, revealed_});
     if (views.empty()) return result;
 
     // Clusters and what they are worth.
     const ViewAccess access(reach, views);
     std::vector<ViewpointCluster> clusters =
-        share_out(access, views, request.roadmap, serve.size());
-    const IncompleteSurfaceGain gain(elements, request.observed, frustum);
+        share_out(access, views, situation.space().roadmap, serve.size());
+    const IncompleteSurfaceGain gain(elements, situation.belief.observed(), frustum);
     const auto seen =
         seen_(views, elements, frustum, [&](const Configuration& q) { return gain.seen(q); });
     assign_gains(gain, seen, clusters);
@@ -264,13 +267,13 @@ class TourPlanner {
     }
   }
   /// The work less what robots that keep their route are about to see.
-  std::vector<IncompleteElement> unassigned(const PlanRequest& request) const {
-    std::vector<IncompleteElement> elements(request.work.begin(), request.work.end());
+  std::vector<IncompleteElement> unassigned(const SurfaceSituation& situation) const {
+    std::vector<IncompleteElement> elements(situation.goals.begin(), situation.goals.end());
     if (!options.asynchronous || !options.exclusive) return elements;
     std::set<VoxelKey> taken;
-    for (const RobotRequest& robot : request.robots)
-      if (!robot.idle)
-        for (const Stop& stop : robot.remaining)
+    for (const RobotState& robot : situation.team)
+      if (!situation.is_asked(robot.id))
+        for (const Stop& stop : robot.route)
           for (const VoxelIndex& v : stop.targets) taken.insert(key_of(v));
     std::erase_if(elements,
                   [&](const IncompleteElement& e) { return taken.contains(key_of(e.voxel)); });

@@ -16,7 +16,8 @@ namespace surfleet {
 /// A planner that advances first and says when it has come to touring what is left, and by which
 /// rule it is to be asked again.
 template <typename P>
-concept AdvancingPlanner = FleetPlanner<P> && requires(const P& planner, const PlanRequest& r) {
+concept AdvancingPlanner = FleetPlanner<P> &&
+    requires(const P& planner, const SurfaceSituation& r) {
   { planner.touring() } -> std::convertible_to<bool>;
   { planner.rule(r) } -> std::same_as<ReplanRule>;
 };
@@ -50,47 +51,47 @@ class ToursBehind {
   explicit ToursBehind(Front f = Front{}, Behind b = Behind{}, ToursBehindOptions o = {})
       : front(std::move(f)), behind(std::move(b)), options(o) {}
 
-  PlanResult operator()(const PlanRequest& request) {
-    if (request.robots.size() < options.least_team || front.touring() ||
-        request.relative_height() < options.least_height)
-      return everyone(request);
-    std::vector<RobotRequest> robots(request.robots.begin(), request.robots.end());
-    const std::vector<IncompleteElement> left = left_behind(request);
-    recruit(request, left, robots);
-    PlanResult tours = tour(request, left, robots);
-    const auto waits = [](const RobotRequest& r) { return r.idle; };
-    if (std::none_of(robots.begin(), robots.end(), waits)) return tours;
-    PlanRequest ahead = request;
-    ahead.robots = robots;
-    PlanResult result = ask(front, ahead);
+  Plan operator()(const SurfaceSituation& situation) {
+    if (situation.team.size() < options.least_team || front.touring() ||
+        relative_height(situation) < options.least_height)
+      return everyone(situation);
+    std::vector<RobotState> team(situation.team.begin(), situation.team.end());
+    std::vector<RobotId> asked(situation.asked.begin(), situation.asked.end());
+    const std::vector<IncompleteElement> left = left_behind(situation);
+    recruit(situation, left, asked);
+    Plan tours = tour(situation, left, team, asked);
+    if (asked.empty()) return tours;
+    SurfaceSituation ahead = situation;
+    ahead.team = team;
+    ahead.asked = asked;
+    Plan result = ask(front, ahead);
     if (front.touring()) {
       crew_.clear();
       return result;
     }
-    for (const std::size_t r : crew_)
-      if (tours.routes[r]) result.routes[r] = std::move(tours.routes[r]);
+    for (auto& [robot, route] : tours.routes) result.routes[robot] = std::move(route);
     return result;
   }
   /// The robots that tour behind the front, in the order they were taken.
-  const std::vector<std::size_t>& crew() const { return crew_; }
+  const std::vector<RobotId>& crew() const { return crew_; }
 
  private:
-  PlanResult everyone(const PlanRequest& request) {
+  Plan everyone(const SurfaceSituation& situation) {
     crew_.clear();
-    return ask(front, request);
+    return ask(front, situation);
   }
-  bool tours_behind(std::size_t robot) const {
+  bool tours_behind(RobotId robot) const {
     return std::find(crew_.begin(), crew_.end(), robot) != crew_.end();
   }
 
   /// The elements apart from every robot of the front. O(elements · robots).
-  std::vector<IncompleteElement> left_behind(const PlanRequest& request) const {
-    const double apart = options.apart * request.camera.max_range;
+  std::vector<IncompleteElement> left_behind(const SurfaceSituation& situation) const {
+    const double apart = options.apart * situation.space().kind.camera.max_range;
     std::vector<Point3> ahead;
-    for (std::size_t r = 0; r < request.robots.size(); ++r)
-      if (!tours_behind(r)) ahead.push_back(request.robots[r].configuration.position);
+    for (const RobotState& robot : situation.team)
+      if (!tours_behind(robot.id)) ahead.push_back(robot.at.position);
     std::vector<IncompleteElement> left;
-    for (const IncompleteElement& e : request.work)
+    for (const IncompleteElement& e : situation.goals)
       if (std::none_of(ahead.begin(), ahead.end(), [&](const Point3& p) {
             return (p - e.position).squaredNorm() < apart * apart;
           }))
@@ -99,63 +100,67 @@ class ToursBehind {
   }
   /// One robot more, the nearest to the middle of what is left, if that is more than the share of
   /// those who are at it.
-  void recruit(const PlanRequest& request, const std::vector<IncompleteElement>& left,
-               std::vector<RobotRequest>& robots) {
-    const auto team = static_cast<double>(robots.size());
+  void recruit(const SurfaceSituation& situation, const std::vector<IncompleteElement>& left,
+               std::vector<RobotId>& asked) {
+    const auto team = static_cast<double>(situation.team.size());
     const auto next = static_cast<double>(crew_.size() + 1);
-    const double fair = options.fair_share * static_cast<double>(request.work.size()) / team;
+    const double fair = options.fair_share * static_cast<double>(situation.goals.size()) / team;
     if (next > options.most * team ||
         static_cast<double>(left.size()) <= static_cast<double>(in_vain_) + next * fair)
       return;
     Point3 middle = Point3::Zero();
     for (const IncompleteElement& e : left) middle += e.position;
     middle /= static_cast<double>(left.size());
-    std::size_t nearest = robots.size();
+    const RobotState* nearest = nullptr;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t r = 0; r < robots.size(); ++r) {
-      const double d = (robots[r].configuration.position - middle).squaredNorm();
-      if (tours_behind(r) || d >= least) continue;
+    for (const RobotState& robot : situation.team) {
+      const double d = (robot.at.position - middle).squaredNorm();
+      if (tours_behind(robot.id) || d >= least) continue;
       least = d;
-      nearest = r;
+      nearest = &robot;
     }
-    crew_.push_back(nearest);
-    robots[nearest].idle = true;
-    robots[nearest].remaining.clear();
+    crew_.push_back(nearest->id);
+    if (const auto at = std::lower_bound(asked.begin(), asked.end(), nearest->id);
+        at == asked.end() || *at != nearest->id)
+      asked.insert(at, nearest->id);
   }
   /// Routes for those of the crew who wait for one; to the front they are all busy then. Whoever is
   /// left without leaves the crew.
-  PlanResult tour(const PlanRequest& request, const std::vector<IncompleteElement>& left,
-                  std::vector<RobotRequest>& robots) {
-    PlanResult result;
-    result.routes.resize(robots.size());
-    result.replan = front.rule(request);
-    std::vector<RobotRequest> crew;
-    for (const std::size_t r : crew_) crew.push_back(robots[r]);
-    if (std::any_of(crew.begin(), crew.end(), [](const RobotRequest& r) { return r.idle; })) {
-      PlanRequest rear = request;
-      rear.work = left;
-      rear.robots = crew;
-      PlanResult tours = ask(behind, rear);
+  Plan tour(const SurfaceSituation& situation, const std::vector<IncompleteElement>& left,
+            std::vector<RobotState>& team, std::vector<RobotId>& asked) {
+    Plan result;
+    result.replan = front.rule(situation);
+    std::vector<RobotState> crew;
+    std::vector<RobotId> waiting;
+    for (const RobotState& robot : team) {
+      if (!tours_behind(robot.id)) continue;
+      crew.push_back(robot);
+      if (std::binary_search(asked.begin(), asked.end(), robot.id)) waiting.push_back(robot.id);
+    }
+    if (!waiting.empty()) {
+      SurfaceSituation rear = situation;
+      rear.goals = left;
+      rear.team = crew;
+      rear.asked = waiting;
+      Plan tours = ask(behind, rear);
       result.impossible = std::move(tours.impossible);
-      std::vector<std::size_t> stay;
-      for (std::size_t k = 0; k < crew.size(); ++k) {
-        if (tours.routes[k] && tours.routes[k]->empty()) {
+      for (auto& [robot, route] : tours.routes) {
+        if (route.empty()) {
           in_vain_ = left.size();
-          continue;
+          std::erase(crew_, robot);
+        } else {
+          result.routes[robot] = std::move(route);
         }
-        stay.push_back(crew_[k]);
-        result.routes[crew_[k]] = std::move(tours.routes[k]);
       }
-      crew_ = std::move(stay);
     }
-    for (const std::size_t r : crew_) {
-      robots[r].idle = false;
-      if (result.routes[r]) robots[r].remaining = *result.routes[r];
-    }
+    std::erase_if(asked, [this](RobotId robot) { return tours_behind(robot); });
+    for (RobotState& robot : team)
+      if (const auto route = result.routes.find(robot.id); route != result.routes.end())
+        robot.route = route->second;
     return result;
   }
 
-  std::vector<std::size_t> crew_;
+  std::vector<RobotId> crew_;
   std::size_t in_vain_ = 0;  // elements behind when one of the crew was last left without a route
 };
 }  // namespace surfleet

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/flight_lattice.hpp>
 #include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/space_look.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/viewpoint/space_look.hpp>
 
 namespace surfleet {
 struct SpaceLooksOptions {
@@ -45,14 +45,11 @@ class WithSpaceLooks {
   explicit WithSpaceLooks(Planner p = Planner{}, SpaceLooksOptions o = {})
       : planner(std::move(p)), options(o) {}
 
-  PlanResult operator()(const PlanRequest& request) {
-    PlanResult result = ask(planner, request);
-    most_work_ = std::max(most_work_, request.work.size());
-    const bool waiting = std::all_of(request.robots.begin(), request.robots.end(),
-                                     [](const RobotRequest& r) { return r.idle; });
-    const bool nothing = std::all_of(result.routes.begin(), result.routes.end(),
-                                     [](const auto& route) { return !route || route->empty(); });
-    if (waiting && nothing) send(request, result);
+  Plan operator()(const SurfaceSituation& situation) {
+    Plan result = ask(planner, situation);
+    most_work_ = std::max(most_work_, situation.goals.size());
+    const bool waiting = situation.asked.size() == situation.team.size();
+    if (waiting && result.nothing()) send(situation, result);
     return result;
   }
   /// How many looks at space were ordered so far.
@@ -61,48 +58,48 @@ class WithSpaceLooks {
  private:
   using Cell = SpaceCells::Cell;
 
-  void send(const PlanRequest& request, PlanResult& result) {
+  void send(const SurfaceSituation& situation, Plan& result) {
     looks_.max_looks = options.max_looks;
     std::vector<SpaceLooks::Wanted> wanted;
-    for (const Cell& c : space_wanted(request, result))
+    for (const Cell& c : space_wanted(situation, result))
       if (!looks_.given_up(c)) wanted.push_back({c});
     if (wanted.empty()) return;
     const double least = std::max(1, options.least_cells);
-    const double range = request.camera.max_range;
-    const FreeSpace& space = request.free_space;
+    const double range = situation.space().kind.camera.max_range;
+    const FreeSpace& space = situation.space().free;
     FlightLattice<FreeSpace> lattice(space, space.options().bounds, options.spacing_share * range);
-    SpaceLooks::Search search(looks_, lattice, std::move(wanted), request.observed,
-                              request.headings, options.sight_share * range);
-    for (std::size_t r = 0; r < request.robots.size(); ++r) {
+    SpaceLooks::Search search(looks_, lattice, std::move(wanted), situation.belief.observed(),
+                              situation.space().headings, options.sight_share * range);
+    for (const RobotState& robot : situation.team) {
       const auto look =
-          search.best(space.free_start(request.robots[r].configuration.position), {.least = least},
+          search.best(space.free_start(robot.at.position), {.least = least},
                       [&](const auto& site) { return site.distance + options.stop_cost; });
       if (!look) continue;
       search.take(*look);
-      result.routes[r] = Stops{{look->configuration, {}}};
+      result.routes[robot.id] = Stops{{look->configuration, {}}};
       ++count_;
     }
   }
 
   /// Unknown cells in and before the places from which elements without a view would be in view.
-  std::set<Cell> space_wanted(const PlanRequest& request, const PlanResult& result) const {
+  std::set<Cell> space_wanted(const SurfaceSituation& situation, const Plan& result) const {
     std::set<VoxelKey> unreachable, other;  // elements, by why they are left
     for (const auto& [v, reason] : result.impossible)
       if (reason != LeftReason::no_free_pose)
         (reason == LeftReason::unreachable ? unreachable : other).insert(key_of(v));
-    if (static_cast<double>(request.work.size()) - static_cast<double>(other.size()) <
+    if (static_cast<double>(situation.goals.size()) - static_cast<double>(other.size()) <
         options.least_share * static_cast<double>(most_work_))
       return {};
-    SpaceCells space(request.observed);
-    const double body = request.free_space.required_distance();
+    SpaceCells space(situation.belief.observed());
+    const double body = situation.space().free.required_distance();
     std::set<Cell> cells;
     const auto add = [&](const Cell& c) { cells.insert(c); };
-    for (const IncompleteElement& e : request.work) {
+    for (const IncompleteElement& e : situation.goals) {
       if (other.contains(key_of(e.voxel))) continue;
-      const Eigen::Vector3d towards = view_direction(request, e);
+      const Eigen::Vector3d towards = view_direction(situation, e);
       for (const double share : {1.0, 0.75, 1.25}) {
         const Point3 pose = e.position + share * options.distance * towards;
-        if (!request.free_space.in_bounds(pose)) continue;
+        if (!situation.space().free.in_bounds(pose)) continue;
         if (!space.has_room(pose, body, add)) continue;
         // The line of sight, and the straight way there if that is what lacks.
         for (double t = 0.0; t < share * options.distance; t += space.edge()) {
@@ -110,7 +107,7 @@ class WithSpaceLooks {
           if (space.state(c) == VoxelState::unknown) add(key_of(c));
         }
         if (!unreachable.contains(key_of(e.voxel))) break;
-        const Eigen::Vector3d way = nearest_robot(request, pose) - pose;
+        const Eigen::Vector3d way = nearest_robot(situation, pose) - pose;
         for (double t = body; t < way.norm(); t += body)
           space.has_room(pose + way * (t / way.norm()), body, add);
         break;
@@ -119,20 +116,21 @@ class WithSpaceLooks {
     return cells;
   }
 
-  static Point3 nearest_robot(const PlanRequest& request, const Point3& p) {
-    return std::min_element(request.robots.begin(), request.robots.end(),
-                            [&](const RobotRequest& a, const RobotRequest& b) {
-                              return (a.configuration.position - p).squaredNorm() <
-                                     (b.configuration.position - p).squaredNorm();
+  static Point3 nearest_robot(const SurfaceSituation& situation, const Point3& p) {
+    return std::min_element(situation.team.begin(), situation.team.end(),
+                            [&](const RobotState& a, const RobotState& b) {
+                              return (a.at.position - p).squaredNorm() <
+                                     (b.at.position - p).squaredNorm();
                             })
-        ->configuration.position;
+        ->at.position;
   }
   /// From the element to a camera that would have it in view: n̄_v, turned to the level as far as
   /// the camera's mount asks for.
-  static Eigen::Vector3d view_direction(const PlanRequest& request, const IncompleteElement& e) {
+  static Eigen::Vector3d view_direction(const SurfaceSituation& situation,
+                                        const IncompleteElement& e) {
     double azimuth = std::atan2(e.direction.y(), e.direction.x());
     if (e.direction.head<2>().norm() < 0.1) {
-      const Eigen::Vector3d d = nearest_robot(request, e.position) - e.position;
+      const Eigen::Vector3d d = nearest_robot(situation, e.position) - e.position;
       azimuth = std::atan2(d.y(), d.x());
     }
     double elevation = std::asin(std::clamp(e.direction.z(), -1.0, 1.0));
@@ -140,7 +138,7 @@ class WithSpaceLooks {
       return Eigen::Vector3d(std::cos(azimuth) * std::cos(elevation),
                              std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
     };
-    while (std::abs(elevation) > kTurn && request.headings(-direction()) == 0)
+    while (std::abs(elevation) > kTurn && situation.space().headings(-direction()) == 0)
       elevation -= std::copysign(kTurn, elevation);
     return direction();
   }

@@ -27,6 +27,7 @@ class PointLocator;
 struct Polygon;
 class PolygonClipper;
 class PolygonGeodesics;
+struct Prism;
 struct RayHit;
 struct ShortestPaths;
 class TextScanner;

@@ -138,7 +138,7 @@ inline TriangleMesh parse_stl(std::span<const std::byte> bytes, const std::strin
     check_coordinates(p, mesh.vertices.size(), name);
     return welder.index(p);
   };
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view text = text_of(bytes);
   std::uint64_t count = 0;
   if (bytes.size() >= kHeader) {
     std::uint32_t n;
@@ -260,7 +260,7 @@ inline std::string lower_extension(const std::filesystem::path& path) {
 /// stands in front of messages. STL corners with equal coordinates are welded.
 inline TriangleMesh parse_mesh(std::span<const std::byte> bytes, std::string_view extension,
                                const std::string& name) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view text = text_of(bytes);
   TriangleMesh mesh;
   if (extension == ".ply")
     mesh = parse_ply(bytes, name);
@@ -296,7 +296,7 @@ inline PointCloud parse_point_cloud(std::span<const std::byte> bytes, std::strin
     cloud.normals = std::move(mesh.normals);
     cloud.colors = std::move(mesh.colors);
   } else if (extension == ".xyz") {
-    TextScanner lines(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    TextScanner lines(text_of(bytes));
     while (const auto line = lines.next_line()) {
       TextScanner words(*line);
       const auto first = words.next_word();

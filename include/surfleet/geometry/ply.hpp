@@ -147,10 +147,7 @@ inline PlyHeader read_ply_header(std::string_view text, const std::string& name)
 class PlyValues {
  public:
   PlyValues(std::span<const std::byte> body, PlyHeader::Encoding encoding, const std::string& name)
-      : bytes_(body, name),
-        words_(std::string_view(reinterpret_cast<const char*>(body.data()), body.size())),
-        encoding_(encoding),
-        name_(name) {}
+      : bytes_(body, name), words_(text_of(body)), encoding_(encoding), name_(name) {}
 
   /// Throws unless `rows` rows of `element` can follow.
   void expect_rows(const PlyElement& element) const {
@@ -244,7 +241,7 @@ inline void check_coordinates(const Point3& p, std::size_t index, const std::str
 inline TriangleMesh parse_ply(std::span<const std::byte> bytes, const std::string& name) {
   using detail::PlyElement;
   using detail::PlyProperty;
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string_view text = text_of(bytes);
   const detail::PlyHeader header = detail::read_ply_header(text, name);
   detail::PlyValues values(bytes.subspan(header.size_bytes), header.encoding, name);
   TriangleMesh mesh;

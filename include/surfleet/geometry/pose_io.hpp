@@ -59,9 +59,6 @@ inline std::string format_rows(std::span<const double> values, std::size_t colum
   }
   return text;
 }
-inline std::string_view as_text(const Bytes& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 }  // namespace detail
 
 /// A pose from the text of its 4 × 4 matrix; `name` stands for the file in errors.
@@ -110,9 +107,9 @@ inline std::string format_intrinsics(const Intrinsics& k) {
 }
 
 inline Pose read_pose(const std::filesystem::path& path) {
-  return parse_pose(detail::as_text(read_file(path)), path.string());
+  return parse_pose(text_of(read_file(path)), path.string());
 }
 inline Intrinsics read_intrinsics(const std::filesystem::path& path) {
-  return parse_intrinsics(detail::as_text(read_file(path)), path.string());
+  return parse_intrinsics(text_of(read_file(path)), path.string());
 }
 }  // namespace surfleet

@@ -45,8 +45,7 @@ inline std::vector<StampedFile> parse_stamped_files(std::string_view text,
 }
 inline std::vector<StampedFile> read_stamped_files(const std::filesystem::path& path) {
   const Bytes bytes = read_file(path);
-  return parse_stamped_files({reinterpret_cast<const char*>(bytes.data()), bytes.size()},
-                             path.string());
+  return parse_stamped_files(text_of(bytes), path.string());
 }
 
 /// The index of the time nearest to `time`, the earlier of two as near; nothing if that is more

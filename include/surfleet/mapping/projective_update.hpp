@@ -11,9 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/mapping/detail/block_observer.hpp>
 #include <surfleet/mapping/detail/hit_observer.hpp>
 #include <surfleet/mapping/detail/projective_view.hpp>
 #include <surfleet/mapping/detail/scan_projection.hpp>
+#include <surfleet/mapping/detail/viewed_block_search.hpp>
 #include <surfleet/mapping/update_policy.hpp>
 
 namespace surfleet {

@@ -176,8 +176,8 @@ class PatchMesher {
 /// the distances do not hold get patches: the zero of the mean distance to the tangent planes of
 /// the points of one side, cut off `patch_radius` from the last of them. Both sides of a sheet are
 /// there, and a rim ends between them, open. A map without hits gives the mesh of its distances.
-/// O(voxels near the surface + hits · neighbours). `points` are those that `extract_points` gives
-/// at the same `min_weight`, for who wants both.
+/// `points` are those of `extract_points` at the same `min_weight`.
+/// O(voxels near the surface + hits · neighbours).
 inline TriangleMesh extract_surface(const TsdfMap& map, const PointCloud& points,
                                     const SurfaceMeshOptions& options) {
   TriangleMesh mesh = extract_mesh(
@@ -218,6 +218,7 @@ inline TriangleMesh extract_surface(const TsdfMap& map, const PointCloud& points
   mesh.normals = vertex_normals(mesh);
   return mesh;
 }
+/// The same where the points are of no further use.
 inline TriangleMesh extract_surface(const TsdfMap& map, const SurfaceMeshOptions& options = {}) {
   return extract_surface(
       map, extract_points(map, {.min_weight = options.min_weight, .threads = options.threads}),

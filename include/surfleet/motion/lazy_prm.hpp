@@ -16,9 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/core/random.hpp>
 #include <surfleet/geometry/graph.hpp>
+#include <surfleet/motion/cell_sample.hpp>
 #include <surfleet/motion/free_space.hpp>
+#include <surfleet/motion/lattice_path.hpp>
 #include <surfleet/motion/reachable_set.hpp>
 #include <surfleet/motion/shortcut.hpp>
 
@@ -246,7 +247,7 @@ class LazyPrmStar {
       if (!gate) return std::nullopt;
       auto rough = search(*gate, b);
       const bool sampled = !rough.empty();
-      if (!sampled) rough = lattice_path(*gate, b);
+      if (!sampled) rough = lattice_path(reachable_, *gate, b);
       if (rough.empty()) return std::nullopt;
       if (*gate != start) rough.insert(rough.begin(), start);
       path = shortcut(std::move(rough), visible, options_.shortcut);
@@ -286,44 +287,7 @@ class LazyPrmStar {
       }
     }
     if (sampled) return;
-    if (const auto p = sample(c)) add(*p, false);
-  }
-  std::optional<Point3> sample(const VoxelIndex& c) const {
-    std::uint64_t key = options_.seed;
-    for (int i = 0; i < 3; ++i) key = mix64(key ^ static_cast<std::uint32_t>(c[i]));
-    Random random(key);
-    const double s = options_.spacing;
-    const Point3 corner = c.cast<double>() * s;
-    for (int attempt = 0; attempt < 4; ++attempt) {
-      // The middle half of the cell: nearly even spacing, no lattice directions.
-      // One draw a statement: the order in an argument list is the compiler's choice.
-      const double z = random.uniform(0.25, 0.75);
-      const double y = random.uniform(0.25, 0.75);
-      const double x = random.uniform(0.25, 0.75);
-      const Point3 p = corner + s * Point3(x, y, z);
-      if (space_->is_free(p)) return p;
-    }
-    const auto& grid = space_->grid();
-    const VoxelIndex lo = grid.index_of(corner), hi = grid.index_of(corner + Point3::Constant(s));
-    std::optional<Point3> best;
-    std::size_t room = 0;
-    using Grid = FreeSpace::Grid;
-    for_each_index(Grid::block_of(lo), Grid::block_of(hi), [&](const BlockIndex& b) {
-      const std::uint32_t slot = grid.find_slot(b);
-      if (slot == Grid::kNone) return;
-      const auto& bits = space_->free_bits(slot);
-      for (std::size_t w = 0; w < bits.size(); ++w)
-        for (std::uint64_t left = bits[w]; left != 0; left &= left - 1) {
-          const std::size_t o = w * 64 + static_cast<std::size_t>(std::countr_zero(left));
-          const auto d = static_cast<std::size_t>(grid.block(slot).voxels[o]);
-          if (d <= room) continue;
-          const Point3 p = grid.center(Grid::index_in(grid.block(slot), o));
-          if (cells_.index_of(p) != c) continue;
-          room = d;
-          best = p;
-        }
-    });
-    return best;
+    if (const auto p = cell_sample(*space_, c, options_.spacing, options_.seed)) add(*p, false);
   }
   std::int32_t add(const Point3& p, bool learned) {
     std::int32_t id;
@@ -441,62 +405,6 @@ class LazyPrmStar {
     }
   }
 
-  /// The free voxels as a graph with face neighbours; node = slot · 512 + offset.
-  struct Lattice {
-    struct Arcs {
-      std::array<Arc, 6> list;
-      std::size_t count = 0;
-      const Arc* begin() const { return list.data(); }
-      const Arc* end() const { return list.data() + count; }
-    };
-    const FreeSpace* space;
-
-    std::size_t size() const { return space->grid().block_count() * FreeSpace::Grid::kBlockVoxels; }
-    VoxelIndex voxel(std::int32_t node) const {
-      constexpr auto n = static_cast<std::int32_t>(FreeSpace::Grid::kBlockVoxels);
-      const auto& block = space->grid().block(static_cast<std::uint32_t>(node / n));
-      return FreeSpace::Grid::index_in(block, static_cast<std::size_t>(node % n));
-    }
-    std::int32_t node(const VoxelIndex& v) const {
-      const std::uint32_t slot = space->grid().find_slot(FreeSpace::Grid::block_of(v));
-      return static_cast<std::int32_t>(slot * FreeSpace::Grid::kBlockVoxels +
-                                       FreeSpace::Grid::offset_of(v));
-    }
-    Arcs arcs(std::int32_t from) const {
-      Arcs a;
-      const VoxelIndex v = voxel(from);
-      for (int axis = 0; axis < 3; ++axis)
-        for (const int step : {-1, 1}) {
-          VoxelIndex w = v;
-          w[axis] += step;
-          const std::uint32_t slot = space->grid().find_slot(FreeSpace::Grid::block_of(w));
-          if (slot == FreeSpace::Grid::kNone ||
-              !space->is_free_in(slot, FreeSpace::Grid::offset_of(w)))
-            continue;
-          a.list[a.count++] = {node(w), space->voxel_size()};
-        }
-      return a;
-    }
-  };
-  std::vector<Point3> lattice_path(const Point3& a, const Point3& b) const {
-    const auto from = reachable_.anchor(a), to = reachable_.anchor(b);
-    if (!from || !to) return {};
-    const Lattice lattice{space_};
-    const std::int32_t goal = lattice.node(*to);
-    const Source source{lattice.node(*from), 0.0};
-    const auto manhattan = [&](std::int32_t node) {
-      return (lattice.voxel(node) - *to).cwiseAbs().sum() * space_->voxel_size();
-    };
-    const auto tree = shortest_paths(lattice, std::span<const Source>(&source, 1), manhattan,
-                                     [&](std::int32_t node, double) { return node == goal; });
-    std::vector<Point3> points;
-    if (!tree.reached(goal)) return points;
-    points.push_back(a);
-    for (const std::int32_t node : tree.path(goal))
-      points.push_back(space_->grid().center(lattice.voxel(node)));
-    points.push_back(b);
-    return points;
-  }
   /// Puts a path's vertices, and points between them where they are far apart, into the roadmap.
   void learn(const std::vector<Point3>& points) {
     const auto put = [&](const Point3& p) {

@@ -10,6 +10,7 @@
 #include <span>
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/motion/body_check.hpp>
 #include <surfleet/motion/free_space.hpp>
 
 namespace surfleet {

@@ -7,6 +7,9 @@ namespace surfleet {
 struct BumpySlopeOptions;
 struct DroneWorldOptions;
 struct JudgeReport;
+struct MissionOptions;
+struct MissionProgress;
+struct MissionResult;
 struct NoNoise;
 struct PlanarEnvironment;
 struct RandomSceneId;
@@ -16,4 +19,5 @@ struct SceneOptions;
 class SceneSpace;
 struct StartOptions;
 struct StereoNoise;
+struct TimedConfiguration;
 }  // namespace surfleet

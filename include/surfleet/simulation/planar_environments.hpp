@@ -3,6 +3,8 @@
 /// @brief Bundled planar worlds: those of [004 Fig. 4.4–5.9], an office, and cracks to be found.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -11,8 +13,8 @@
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/random.hpp>
-#include <surfleet/coverage/prism_coverage.hpp>
 #include <surfleet/geometry/polygon.hpp>
+#include <surfleet/geometry/prism.hpp>
 
 namespace surfleet {
 /// A planar world and where robots are set down in it.

@@ -171,22 +171,7 @@ inline TriangleMesh tube_surface(const std::vector<Tube>& tubes, double edge, do
       }
     }
   }
-  TriangleMesh cut;
-  std::vector<std::int32_t> renamed(mesh.vertices.size(), -1);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (beyond_opening(mesh.centroid(t))) continue;
-    Triangle triangle = mesh.triangles[t];
-    for (std::int32_t& v : triangle) {
-      std::int32_t& name = renamed[static_cast<std::size_t>(v)];
-      if (name < 0) {
-        name = static_cast<std::int32_t>(cut.vertices.size());
-        cut.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
-      }
-      v = name;
-    }
-    cut.triangles.push_back(triangle);
-  }
-  return cut;
+  return selected(mesh, [&](std::size_t t) { return !beyond_opening(mesh.centroid(t)); });
 }
 
 /// The bundled steam chest at a given edge length [m]; about 8 m² of wall, outward normals.

@@ -64,22 +64,9 @@ inline TriangleMesh bumpy_slope(const BumpySlopeOptions& options = {}) {
     }
   }
   if (!options.hole) return mesh;
-  TriangleMesh cut;
-  std::vector<std::int32_t> renamed(mesh.vertices.size(), -1);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+  return selected(mesh, [&](std::size_t t) {
     const Point3 c = mesh.centroid(t);
-    if (std::hypot(c.x() - s / 2, c.y() - s / 2) < options.hole_radius) continue;
-    Triangle triangle = mesh.triangles[t];
-    for (std::int32_t& v : triangle) {
-      std::int32_t& name = renamed[static_cast<std::size_t>(v)];
-      if (name < 0) {
-        name = static_cast<std::int32_t>(cut.vertices.size());
-        cut.vertices.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
-      }
-      v = name;
-    }
-    cut.triangles.push_back(triangle);
-  }
-  return cut;
+    return std::hypot(c.x() - s / 2, c.y() - s / 2) >= options.hole_radius;
+  });
 }
 }  // namespace surfleet

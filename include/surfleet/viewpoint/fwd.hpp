@@ -6,24 +6,43 @@
 #include <cstdint>
 
 namespace surfleet {
+class ChangedRegions;
 struct ClusterOptions;
+class HeadingTable;
 struct IncompleteElement;
 class IncompleteSurfaceGain;
 struct IncompleteSurfaceOptions;
+struct LeftBelowOptions;
+enum class LeftReason : std::uint8_t;
 class LineOfSight;
+class LookBound;
+class LookLedger;
+struct LookLedgerOptions;
+class MapSight;
 struct MergeOptions;
 enum class NoViewReason : std::uint8_t;
 struct PredictedPatch;
 struct PredictionOptions;
+struct Sighting;
+class SightMemory;
 struct SightOptions;
+struct SightTarget;
+class SpaceCells;
+class SpaceLooks;
+struct StopDistance;
 class UnknownVolumeGain;
 struct UnknownVolumeOptions;
 struct UnseenElement;
+class UnseenSpace;
+struct UnseenSpaceOptions;
+class ViewAccess;
 class ViewFrustum;
 struct Viewpoint;
 struct ViewpointChoice;
 struct ViewpointCluster;
 class ViewpointGenerator;
+class ViewpointMemory;
 struct ViewpointOptions;
 struct ViewpointSet;
+class WorthAround;
 }  // namespace surfleet

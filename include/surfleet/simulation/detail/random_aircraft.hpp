@@ -100,13 +100,9 @@ inline TriangleMesh aircraft(Draw draw) {
       add_propeller(screw, Point3::Zero(), 1.3, 4, 0.4);
       append(mesh, transformed(screw, T));
     } else {  // an open cowl around a core
-      std::vector<std::vector<Point3>> cowl(3);
-      for (int k = 0; k < 28; ++k)
-        for (std::size_t e = 0; e < 3; ++e) {
-          const Point3 p = on_circle(er * (e == 1 ? 1.1 : 0.95), 2.0 * kPi * k / 28, 0);
-          cowl[e].push_back(engine + Point3(-1.1 + 1.1 * static_cast<double>(e), p.x(), p.y()));
-        }
-      append(mesh, make_rows(cowl, true));
+      const std::array<Point2, 3> cowl{Point2(-1.1, 0.95 * er), Point2(0.0, 1.1 * er),
+                                       Point2(1.1, 0.95 * er)};
+      append(mesh, make_cowl(engine, cowl, 28));
       append(mesh, make_tube(std::array<Point3, 3>{engine + Point3(0.5, 0, 0), engine,
                                                    engine - Point3(1.8, 0, 0)},
                              std::array<double, 3>{0.08, 0.6 * er, 0.15}, 16));

@@ -29,15 +29,11 @@ inline TriangleMesh furniture(Draw draw, double height) {
     const double top = std::min(height - 1.0, draw.in(1.8, 3.2));
     for (double z = 0.3; z < top; z += 0.75)
       append(mesh, make_box({-1, -0.4, z}, {1, 0.4, z + 0.04}));
-    for (const double x : {-0.97, 0.97})
-      for (const double y : {-0.37, 0.37})
-        append(mesh, make_beam({x, y, 0}, {x, y, top}, 0.06, 0.06));
+    add_legs(mesh, 0.97, 0.37, top, 0.06);
     append(mesh, make_box({-0.6, -0.3, 0.34}, {draw.in(-0.2, 0.7), 0.3, 0.8}));
   } else if (form == 1) {
     append(mesh, make_box({-0.9, -0.5, 0.72}, {0.9, 0.5, 0.77}));
-    for (const double x : {-0.8, 0.8})
-      for (const double y : {-0.4, 0.4})
-        append(mesh, make_beam({x, y, 0}, {x, y, 0.72}, 0.07, 0.07));
+    add_legs(mesh, 0.8, 0.4, 0.72, 0.07);
     append(mesh,
            make_panel({-0.3, 0.3, 0.78}, {0.4, 0.3, 0.78}, {0.4, 0.35, 1.25}, {-0.3, 0.35, 1.25}));
   } else if (form == 2) {

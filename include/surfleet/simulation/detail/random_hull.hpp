@@ -137,13 +137,9 @@ inline TriangleMesh submarine(Draw draw) {
   const Point3 screw(-0.5 * length - 0.5, 0, z);
   add_propeller(mesh, screw, 0.75 * radius, draw.whole(4, 7), 0.0);
   if (draw.chance(0.5)) {
-    std::vector<std::vector<Point3>> cowl(2);
-    for (int k = 0; k < 32; ++k)
-      for (const int e : {0, 1}) {
-        const Point3 p = on_circle((0.85 + 0.06 * e) * radius, 2.0 * kPi * k / 32, 0);
-        cowl[static_cast<std::size_t>(e)].push_back(screw + Point3(-0.5 + 1.2 * e, p.x(), p.y()));
-      }
-    append(mesh, make_rows(cowl, true));
+    const std::array<Point2, 2> cowl{Point2(-0.5, 0.85 * radius),
+                                     Point2(-0.5 + 1.2, (0.85 + 0.06) * radius)};
+    append(mesh, make_cowl(screw, cowl, 32));
   }
   add_stands(mesh, -0.2 * length, 0.3 * length, 4, z - radius, 0.75 * radius, z - 0.62 * radius);
   return mesh;
@@ -153,11 +149,10 @@ inline TriangleMesh submarine(Draw draw) {
 
 inline Structure make_hull(const Draw& draw, std::uint64_t seed) {
   Draw site = draw("site");
-  using Kind = TriangleMesh (*)(Draw);
-  constexpr std::array<Kind, 3> kKinds{hull::ship, hull::submarine, hull::aircraft};
-  const auto kind = static_cast<std::size_t>(next_form(seed, static_cast<int>(kKinds.size())));
+  constexpr std::array<TriangleMesh (*)(Draw), 3> kForms{hull::ship, hull::submarine,
+                                                         hull::aircraft};
   Structure made;
-  made.mesh = placed(kKinds[kind](draw("hull")), Point3::Zero(), site.in(0.0, 2.0 * kPi));
+  made.mesh = turned_form(kForms, draw("hull"), site, seed);
   const double angle = site.in(0.0, 2.0 * kPi), height = site.in(2.5, 4.5);  // a work platform
   const double half = 0.5 * made.mesh.bounds().sizes().head<2>().maxCoeff() + 1.5;
   TriangleMesh platform = make_panel({-1.2, -0.8, height}, {1.2, -0.8, height}, {1.2, 0.8, height},

@@ -206,12 +206,10 @@ inline TriangleMesh water_tower(Draw draw) {
 
 inline Structure make_lattice(const Draw& draw, std::uint64_t seed) {
   Draw site = draw("site");
-  using Kind = TriangleMesh (*)(Draw);
-  constexpr std::array<Kind, 4> kKinds{lattice::radio_mast, lattice::pylon, lattice::crane,
-                                       lattice::water_tower};
-  const auto kind = static_cast<std::size_t>(next_form(seed, static_cast<int>(kKinds.size())));
+  constexpr std::array<TriangleMesh (*)(Draw), 4> kForms{lattice::radio_mast, lattice::pylon,
+                                                         lattice::crane, lattice::water_tower};
   Structure made;
-  made.mesh = placed(kKinds[kind](draw("lattice")), Point3::Zero(), site.in(0.0, 2.0 * kPi));
+  made.mesh = turned_form(kForms, draw("lattice"), site, seed);
   const int cabins = site.whole(1, 2);  // stand free beside it, one with a sheet for a roof
   for (int k = 0; k < cabins; ++k) {
     const double angle = site.in(0.0, 2.0 * kPi), h = site.in(1.6, 2.4);

@@ -180,4 +180,30 @@ inline std::vector<Point3> polygon_ring(int corners, double radius, double z, do
     ring.push_back(on_circle(radius, phase + 2.0 * kPi * k / corners, z));
   return ring;
 }
+
+/// The form that the seed has of several, turned about the vertical axis by a draw.
+template <std::size_t N>
+TriangleMesh turned_form(const std::array<TriangleMesh (*)(Draw), N>& forms, const Draw& draw,
+                         Draw& site, std::uint64_t seed) {
+  const auto form = static_cast<std::size_t>(next_form(seed, static_cast<int>(N)));
+  return placed(forms[form](draw), Point3::Zero(), site.in(0.0, 2.0 * kPi));
+}
+
+/// An open cowl of one sheet about a line along x through `at`; `profile` is (x, radius).
+inline TriangleMesh make_cowl(const Point3& at, std::span<const Point2> profile, int segments) {
+  std::vector<std::vector<Point3>> rows(profile.size());
+  for (int k = 0; k < segments; ++k)
+    for (std::size_t e = 0; e < profile.size(); ++e) {
+      const Point3 p = on_circle(profile[e].y(), 2.0 * kPi * k / segments, 0);
+      rows[e].push_back(at + Point3(profile[e].x(), p.x(), p.y()));
+    }
+  return make_rows(rows, true);
+}
+
+/// Four upright legs of square section at (±x, ±y), from the floor up to `top`.
+inline void add_legs(TriangleMesh& mesh, double x, double y, double top, double thickness) {
+  for (const double at_x : {-x, x})
+    for (const double at_y : {-y, y})
+      append(mesh, make_beam({at_x, at_y, 0}, {at_x, at_y, top}, thickness, thickness));
+}
 }  // namespace surfleet::detail::random_scene

@@ -169,12 +169,10 @@ inline TriangleMesh belfry(Draw draw) {
 
 inline Structure make_tower(const Draw& draw, std::uint64_t seed) {
   Draw site = draw("site");
-  using Kind = TriangleMesh (*)(Draw);
-  constexpr std::array<Kind, 4> kKinds{tower::stepped, tower::twisted, tower::pagoda,
-                                       tower::belfry};
-  const auto kind = static_cast<std::size_t>(next_form(seed, static_cast<int>(kKinds.size())));
+  constexpr std::array<TriangleMesh (*)(Draw), 4> kForms{tower::stepped, tower::twisted,
+                                                         tower::pagoda, tower::belfry};
   Structure made;
-  made.mesh = placed(kKinds[kind](draw("tower")), Point3::Zero(), site.in(0.0, 2.0 * kPi));
+  made.mesh = turned_form(kForms, draw("tower"), site, seed);
   const int stones = site.whole(2, 4);  // stand free around it
   for (int k = 0; k < stones; ++k) {
     Draw own = draw("stone", k);

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief What one robot does, alone or in any fleet: look, check its stops, set out, give way,
+/// move.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <surfleet/fleet/plan.hpp>
+#include <surfleet/fleet/robot_body.hpp>
+#include <surfleet/fleet/surface_belief.hpp>
+#include <surfleet/geometry/teammate_mask.hpp>
+#include <surfleet/motion/low_level_planner.hpp>
+#include <surfleet/motion/traffic_policy.hpp>
+#include <surfleet/viewpoint/revealing_look.hpp>
+#include <surfleet/viewpoint/visibility.hpp>
+
+namespace surfleet {
+struct AgentOptions {
+  double image_period = 0.25;  ///< Between images, and the step of the agent's clock [s].
+  double max_dwell = 10.0;     ///< Longest stay at a stop [s].
+  bool watchful = true;        ///< On the way, turn to what there is to see.
+  double utility_share = 0.2;  ///< Share of a route's elements whose completion asks for a new
+                               ///< plan, unless the planner says another: 1 - c_thres, as
+                               ///< `UtilityCheck` reads it.
+};
+
+/// Carries out the routes of one robot on what is believed [000 §2.5.3, 3.5.2, Alg. 1, 3].
+///
+/// A route is a list of stops; the first is under way. Who owns the belief and who calls the
+/// planner is not the agent's affair: in a fleet with one map agents share it, and call in this
+/// order, each for all of them: `sense`, `integrate`, `check_stop`, `accept` what is planned,
+/// `set_out`, `move`.
+template <RobotBody Body>
+class Agent {
+ public:
+  /// Body and belief are referred to and must outlive the agent.
+  Agent(RobotId id, RobotKindId kind, Body& body, SurfaceBelief& belief, AgentOptions options)
+      : id_(id),
+        kind_(kind),
+        body_(&body),
+        belief_(&belief),
+        options_(options),
+        traffic_(traffic_options(belief.space(kind).kind.limits, options.image_period)) {}
+
+  // -- sensing -----------------------------------------------------------------------------------
+  /// Takes an image, less what shows teammates. Different agents at once.
+  void sense() {
+    image_ = body_->sense();
+    mask_teammates(image_, kind().camera, camera_pose(), body_->neighbours(),
+                   kind().body_radius + belief_->voxel_size());
+  }
+  /// Puts the last image into the belief, which is not updated yet.
+  void integrate() { belief_->integrate(image_, kind().camera, camera_pose()); }
+
+  // -- what there is to say ----------------------------------------------------------------------
+  RobotState state() const {
+    return {.id = id_,
+            .kind = kind_,
+            .at = body_->estimate(),
+            .ahead = body_->remaining(),
+            .route = route_,
+            .idle = route_.empty()};
+  }
+  /// Of its motion, for the others.
+  TrafficAgent announce(double time) const {
+    TrafficAgent t;
+    t.id = static_cast<int>(id_);
+    t.position = body_->estimate().position;
+    // One that brakes still moves, whatever it is about.
+    if (moving() || !body_->standing()) t.path = body_->remaining();
+    t.radius = kind().body_radius;
+    t.speed = kind().limits.speed;
+    t.idle = route_.empty();
+    t.cornered = traffic_.cornered(time);
+    t.held = held_ && body_->standing();
+    return t;
+  }
+  /// Whether it still has its first look around.
+  bool scanning() const { return phase_ == Phase::scanning; }
+  /// Whether it neither moves nor looks nor has anything to do.
+  bool at_rest() const { return phase_ == Phase::waiting && route_.empty() && body_->standing(); }
+  /// Whether it has nothing to do, or so much of what its route was made for is complete, or left
+  /// behind, that a new one is due (UtilityCheck).
+  bool is_free() const { return route_.empty() || is_spent(); }
+  /// Whether it is time to ask for a plan on its behalf.
+  bool asks(double time) const { return route_.empty() ? time >= idle_until_ : is_spent(); }
+  std::size_t departures() const { return departures_; }  ///< How often it set out for a stop.
+  std::size_t emergency_stops() const { return emergency_stops_; }
+  std::size_t waits() const { return waits_; }  ///< For teammates.
+
+  // -- stops -------------------------------------------------------------------------------------
+  /// Leaves a stop when it has served, and a goal that is none any more; stops before obstacles.
+  void check_stop() {
+    if (phase_ == Phase::looking) {
+      ++images_;
+      bool done = true;
+      std::size_t needed = 0;
+      for (const VoxelIndex& v : route_.front().targets) {
+        if (!belief_->incomplete().contains(v)) continue;
+        done = false;
+        needed = std::max(needed, belief_->images_needed(body_->estimate().position, v));
+      }
+      if (done || images_ >= std::min(needed, most_images())) leave_stop();
+    }
+    if (!moving()) return;
+    if (phase_ == Phase::flying && is_pointless(route_.front())) {
+      leave_goal();
+    } else if (obstacle_ahead_(space().free, body_->remaining(), body_->stopping_distance())) {
+      ++emergency_stops_;
+      halt();
+    }
+  }
+
+  // -- planning ----------------------------------------------------------------------------------
+  /// Takes a new route in place of what it has. An empty one leaves it without work: it then asks
+  /// less and less often, as a plan is one for all, and disturbs them.
+  void accept(Stops route, const ReplanRule& rule, double time) {
+    const bool same =
+        !route.empty() && !route_.empty() && phase_ != Phase::waiting &&
+        (route.front().configuration.position - route_.front().configuration.position).norm() <
+            1e-6 &&
+        std::abs(wrap_angle(route.front().configuration.yaw - route_.front().configuration.yaw)) <
+            1e-6;
+    route_ = std::move(route);
+    initial_work_ = open_work();
+    replan_ = rule;
+    if (!same) leave_goal();
+    if (route_.empty())
+      rest(time);
+    else
+      pause_ = kIdle;
+  }
+  /// Sets out for the next stop if it waits for that, or turns to it in flight.
+  void set_out(double time) {
+    if (phase_ != Phase::waiting) return;
+    if (!body_->standing()) {
+      if (!turns()) body_->stop();
+    } else if (!route_.empty()) {
+      depart(time);
+    }
+  }
+
+  // -- motion ------------------------------------------------------------------------------------
+  /// Moves on by an image period, with regard to what all have announced.
+  void move(std::span<const TrafficAgent> traffic, double time) {
+    if (traffic.size() > 1 && phase_ != Phase::scanning) give_way(traffic, time);
+    if (phase_ == Phase::scanning && (quarters_ == 0 || body_->finished())) {
+      if (++quarters_ > 4) {
+        phase_ = Phase::waiting;
+      } else {
+        const Configuration at = body_->estimate();
+        body_->follow(std::span<const Point3>(&at.position, 1), at.yaw + 0.5 * kPi, std::nullopt);
+      }
+    }
+    if (phase_ == Phase::flying && options_.watchful) body_->watch(where_to_look());
+    if (!held_) held_until_ = time + kLongestHold;
+    if (phase_ == Phase::flying && time > held_until_) give_up_route();
+    body_->advance(options_.image_period);
+    if (phase_ == Phase::flying && body_->finished()) phase_ = Phase::looking;
+  }
+
+ private:
+  enum class Phase : std::uint8_t { scanning, waiting, flying, looking, aside };
+
+  const KindSpace& space() const { return belief_->space(kind_); }
+  const RobotKind& kind() const { return space().kind; }
+  Pose camera_pose() const { return body_->estimate().pose() * kind().T_body_camera; }
+  bool moving() const { return phase_ == Phase::flying || phase_ == Phase::aside; }
+
+  /// Corners are cut, so robots are not quite where their paths say.
+  static TrafficOptions traffic_options(const AerialLimits& limits, double period) {
+    TrafficOptions o;
+    o.least_gap += limits.corner_tolerance;
+    o.period = period;
+    o.braking = limits.braking;
+    return o;
+  }
+
+  /// Nothing is left that the stop was for; one that is for nothing stays to be flown to.
+  bool is_pointless(const Stop& stop) const {
+    return !stop.targets.empty() &&
+           std::none_of(stop.targets.begin(), stop.targets.end(),
+                        [&](const VoxelIndex& v) { return belief_->is_open(v); });
+  }
+  std::size_t open_work() const {
+    std::size_t n = 0;
+    for (const Stop& s : route_)
+      for (const VoxelIndex& v : s.targets) n += belief_->incomplete().contains(v) ? 1 : 0;
+    return n;
+  }
+  bool is_spent() const {
+    return initial_work_ > 0 && UtilityCheck{replan_.utility_share.value_or(
+                                    options_.utility_share)}(initial_work_, open_work());
+  }
+  /// Images that a stop may take at the most.
+  std::size_t most_images() const {
+    return static_cast<std::size_t>(
+        std::max(1.0, std::ceil(options_.max_dwell / options_.image_period)));
+  }
+  void leave_stop() {
+    note_looks_in_vain();
+    route_.erase(route_.begin());
+    phase_ = Phase::waiting;
+  }
+  /// Whatever was in fair view from this stop for long enough and is still incomplete, and what the
+  /// stop was for in any case, was looked at in vain.
+  void note_looks_in_vain() {
+    const Configuration at = body_->estimate();
+    const ViewFrustum::Placed view = space().frustum.at(at);
+    const Point3 eye = view.eye();
+    LineOfSight line(belief_->observed());
+    const Stop& stop = route_.front();
+    std::vector<std::pair<VoxelIndex, Eigen::Vector3d>> vain;
+    for (const IncompleteElement& e : belief_->goals()) {
+      if (images_ < std::min(belief_->images_needed(at.position, e.voxel), most_images())) continue;
+      const Eigen::Vector3d to_eye = (eye - e.position).normalized();
+      const bool fair = e.faces(to_eye, kFairLook) && reveals(view, e, line);
+      if (fair ||
+          std::find(stop.targets.begin(), stop.targets.end(), e.voxel) != stop.targets.end())
+        vain.emplace_back(e.voxel, to_eye);
+    }
+    for (const auto& [voxel, direction] : vain) belief_->looked_in_vain(voxel, direction);
+  }
+  void halt() {
+    body_->stop();
+    phase_ = Phase::waiting;
+    held_ = false;
+  }
+  /// As `halt`, but who may turn in flight goes on until `set_out` has asked where to.
+  void leave_goal() {
+    if (!replan_.turn_in_flight || held_ || phase_ != Phase::flying) return halt();
+    phase_ = Phase::waiting;
+  }
+  void rest(double time) {
+    idle_until_ = time + pause_;
+    pause_ = std::min(2.0 * pause_, kLongestIdle);
+  }
+
+  /// Sets off for the first stop that can be reached; the others are noted and dropped.
+  void depart(double time) {
+    while (!route_.empty()) {
+      const Stop& stop = route_.front();
+      if (is_pointless(stop)) {
+        route_.erase(route_.begin());
+        continue;
+      }
+      if (const auto path =
+              space().roadmap.query(body_->estimate().position, stop.configuration.position)) {
+        set_off(*path);
+        return;
+      }
+      belief_->not_reached(stop.targets);
+      route_.erase(route_.begin());
+    }
+    rest(time);
+  }
+  /// Whether the robot, under way to a goal that is none any more, could turn to its next stop.
+  bool turns() {
+    if (body_->braking()) return false;
+    while (!route_.empty() && is_pointless(route_.front())) route_.erase(route_.begin());
+    if (route_.empty()) return false;
+    const auto path =
+        space().roadmap.query(body_->estimate().position, route_.front().configuration.position);
+    if (!path) return false;
+    // Who has to turn back is sooner there if it brakes first.
+    if (path->points.size() > 1 && body_->velocity().dot(path->points[1] - path->points[0]) < 0.0)
+      return false;
+    // The turn leads off the path as far as the robot needs to come round.
+    const std::vector<Point3> way = body_->way_onto(path->points);
+    for (std::size_t i = 1; i < std::min<std::size_t>(way.size(), 3); ++i)
+      if (!space().free.is_free_segment(way[i - 1], way[i])) return false;
+    set_off(*path);
+    return true;
+  }
+  void set_off(const Path& path) {
+    const double yaw = route_.front().configuration.yaw;
+    body_->follow(path.points, yaw, options_.watchful ? std::optional(yaw) : std::nullopt);
+    phase_ = Phase::flying;
+    images_ = 0;
+    ++departures_;
+  }
+
+  /// Where robots block each other for good, one does something else.
+  void give_up_route() {
+    belief_->not_reached(route_.front().targets);
+    route_.clear();
+    halt();
+  }
+  /// TrafficPolicy [000 Alg. 3]: stop and wait, or step aside, or go on.
+  void give_way(std::span<const TrafficAgent> traffic, double time) {
+    const auto free = [this](const Point3& p, const Point3& q) {
+      return space().free.is_free_segment(p, q);
+    };
+    const auto self = std::find_if(traffic.begin(), traffic.end(), [this](const TrafficAgent& t) {
+      return t.id == static_cast<int>(id_);
+    });
+    const Maneuver m = traffic_(*self, traffic, free, time);
+    switch (m.kind) {
+      case Maneuver::Kind::none:
+        if (held_) body_->resume();
+        held_ = false;
+        if (phase_ == Phase::aside && body_->finished()) phase_ = Phase::waiting;
+        break;
+      case Maneuver::Kind::stop:
+        if (!moving()) break;
+        if (!held_) ++waits_;
+        body_->stop();
+        held_ = true;
+        break;
+      case Maneuver::Kind::step_aside:
+        if (phase_ == Phase::aside && !body_->finished() &&
+            (m.target - aside_).norm() < kind().body_radius) {
+          // The place is still good; the way there must be, too.
+          const bool hold = traffic_.too_close(*self, traffic) >= 0;
+          if (hold && !held_) body_->stop();
+          if (!hold && held_) body_->resume();
+          held_ = hold;
+        } else if (!body_->standing()) {
+          const bool was_moving = moving();
+          body_->stop();
+          held_ = was_moving;
+        } else {
+          const Configuration at = body_->estimate();
+          const std::array<Point3, 2> way{at.position, m.target};
+          body_->follow(way, at.yaw, std::nullopt);
+          aside_ = m.target;
+          phase_ = Phase::aside;
+          held_ = false;
+          ++waits_;
+        }
+        break;
+    }
+  }
+  /// The heading with the most incomplete surface in view from here; near the goal, the goal's.
+  double where_to_look() const {
+    const Configuration& goal = route_.front().configuration;
+    const Point3 here = body_->estimate().position;
+    const double left = polyline_length(body_->remaining());
+    const AerialLimits& limits = kind().limits;
+    const auto has_to_turn = [&](double angle) {
+      return left < (angle / limits.yaw_rate + 0.5) * limits.speed;
+    };
+    if (!replan_.watch_on && has_to_turn(kPi)) return goal.yaw;
+    std::vector<SightTarget> near;
+    const double reach = 0.85 * kind().camera.max_range;
+    for (const IncompleteElement& e : belief_->goals())
+      if ((e.position - here).squaredNorm() < reach * reach)
+        near.push_back({e.frontier(belief_->voxel_size()), e.direction, 1.0, 2});
+    if (near.empty()) return goal.yaw;
+    const SightTargets targets(std::move(near), MapSight(belief_->observed()), space().headings,
+                               {.max_range = reach});
+    const std::vector<char> none(targets.size(), 0);
+    const auto worth = worth_by_heading(targets, targets.seen_from(here), none);
+    const auto best = std::max_element(worth.begin(), worth.end());
+    if (*best <= 0.0) return goal.yaw;
+    const double yaw = heading_angle(static_cast<int>(best - worth.begin()));
+    return has_to_turn(std::abs(wrap_angle(goal.yaw - yaw))) ? goal.yaw : yaw;
+  }
+
+  static constexpr double kFairLook = 0.4;  ///< Least cosine between n̄_v and the line of sight.
+  static constexpr double kIdle = 2.0;      ///< Between requests of a robot without work [s] …
+  static constexpr double kLongestIdle = 30.0;  ///< … when nothing was found time after time.
+  static constexpr double kLongestHold = 60.0;  ///< For teammates before a route is given up [s].
+
+  RobotId id_;
+  RobotKindId kind_;
+  Body* body_;
+  SurfaceBelief* belief_;
+  AgentOptions options_;
+  TrafficPolicy traffic_;
+  ObstacleCheck obstacle_ahead_{.lookahead = 1.5};
+  DepthImage image_;
+  Phase phase_ = Phase::scanning;
+  Stops route_;                   // what is left to do; the first stop is under way
+  std::size_t initial_work_ = 0;  // elements the route was made for
+  ReplanRule replan_;             // of the plan that the route is from
+  int quarters_ = 0;              // of the first look around
+  double idle_until_ = 0.0;       // no new request before [s]
+  double pause_ = kIdle;          // until the next request if this one gives nothing [s]
+  std::size_t images_ = 0;        // taken at this stop
+  bool held_ = false;             // stopped for a teammate on a path that will be gone on with
+  double held_until_ = 0.0;       // if still held then, the route is given up [s]
+  Point3 aside_ = Point3::Zero();
+  std::size_t departures_ = 0, emergency_stops_ = 0, waits_ = 0;
+};
+}  // namespace surfleet

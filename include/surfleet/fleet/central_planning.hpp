@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief One planner for a whole fleet on one belief: the single and the centralised architecture.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <surfleet/fleet/agent.hpp>
+#include <surfleet/fleet/plan.hpp>
+
+namespace surfleet {
+/// Asks the planner when a robot asks for work, and knows when there is none left [000 ch. 2, 3].
+template <FleetPlanner Planner>
+class CentralPlanning {
+ public:
+  Planner planner;
+
+  explicit CentralPlanning(Planner p = {}) : planner(std::move(p)) {}
+
+  /// Plans if that is due, hands out the routes, and lets everybody set out. `agents` are the
+  /// team's, by ascending id. Nothing while anybody still looks around for the first time.
+  template <typename Agents>
+  void operator()(Agents& agents, const SurfaceBelief& belief, double time) {
+    bool ask = all_at_rest(agents);
+    for (const auto& a : agents) {
+      if (a->scanning()) return;
+      ask = ask || a->asks(time);
+    }
+    if (ask) request(agents, belief, time);
+    for (auto& a : agents) a->set_out(time);
+  }
+  /// Done when nobody has anything to do and the planner, asked on this very map, found nothing, or
+  /// time after time nothing that can be reached.
+  template <typename Agents>
+  bool finished(const Agents& agents, const SurfaceBelief& belief) const {
+    return all_at_rest(agents) && planned_revision_ == belief.known().grid().revision() &&
+           (nothing_planned_ || vain_plans_ > belief.options().looks.max_failures);
+  }
+
+  /// The elements that the last plan had no way to see.
+  const std::vector<std::pair<VoxelIndex, LeftReason>>& impossible() const { return impossible_; }
+  std::size_t plans() const { return plans_; }
+  double planning_time() const { return planning_time_; }  ///< Of the machine [s].
+
+ private:
+  template <typename Agents>
+  static bool all_at_rest(const Agents& agents) {
+    for (const auto& a : agents)
+      if (!a->at_rest()) return false;
+    return true;
+  }
+  template <typename Agents>
+  void request(Agents& agents, const SurfaceBelief& belief, double time) {
+    std::vector<RobotState> team;
+    std::vector<RobotId> asked;
+    std::size_t departures = 0;
+    for (const auto& a : agents) {
+      team.push_back(a->state());
+      if (a->is_free()) asked.push_back(team.back().id);
+      departures += a->departures();
+    }
+    if (std::exchange(departures_, departures) != departures) vain_plans_ = 0;
+    if (all_at_rest(agents)) ++vain_plans_;
+    const SurfaceSituation situation{.belief = belief,
+                                     .goals = belief.goals(),
+                                     .asked = asked,
+                                     .team = team,
+                                     .time = time,
+                                     .seed = plans_};
+    const auto before = std::chrono::steady_clock::now();
+    Plan plan = ask(planner, situation);
+    planning_time_ +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    ++plans_;
+    planned_revision_ = belief.known().grid().revision();
+    nothing_planned_ = plan.nothing();
+    impossible_ = std::move(plan.impossible);
+    for (std::size_t k = 0; k < team.size(); ++k)
+      if (const auto route = plan.routes.find(team[k].id); route != plan.routes.end())
+        agents[k]->accept(std::move(route->second), plan.replan, time);
+  }
+
+  std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;
+  std::uint64_t planned_revision_ = ~std::uint64_t{0};
+  bool nothing_planned_ = false;
+  int vain_plans_ = 0;  // made with all at rest, since a robot last set out
+  std::size_t departures_ = 0, plans_ = 0;
+  double planning_time_ = 0.0;
+};
+}  // namespace surfleet

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief What an agent needs of the robot it drives.
+#pragma once
+
+#include <concepts>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <surfleet/core/types.hpp>
+#include <surfleet/geometry/pinhole_camera.hpp>
+
+namespace surfleet {
+/// A robot, real or simulated. What it says of itself is its own estimate; the truth stays with it.
+///
+/// - `sense()`: a depth image from where it is now.
+/// - `estimate()`: where it believes to be; `neighbours()`: where it believes teammates to be that
+///   may be in its image.
+/// - `follow(path, yaw, watch)`: sets out along `path`, whose first point is where it is, to end
+///   with heading `yaw`; on the way it looks to `watch` if that is given, which `watch(yaw)`
+///   changes.
+/// - `way_onto(path)`: the way that `follow` would take from the course it is on.
+/// - `stop()`, `resume()`: brakes, and goes on along the same path.
+/// - `remaining()`: the path ahead; `stopping_distance()` [m]; `velocity()` [m/s].
+/// - `standing()`, `braking()`, `finished()`: at the end of the path with the heading asked for.
+/// - `advance(dt)`: lets time pass [s]; a real robot has nothing to do here.
+template <typename B>
+concept RobotBody = requires(B& body, const B& now, std::span<const Point3> path, double x,
+                             std::optional<double> watch) {
+  { body.sense() } -> std::same_as<DepthImage>;
+  { now.estimate() } -> std::convertible_to<Configuration>;
+  { now.neighbours() } -> std::convertible_to<std::vector<Point3>>;
+  body.follow(path, x, watch);
+  body.watch(x);
+  { now.way_onto(path) } -> std::convertible_to<std::vector<Point3>>;
+  body.stop();
+  body.resume();
+  { now.remaining() } -> std::convertible_to<std::vector<Point3>>;
+  { now.stopping_distance() } -> std::convertible_to<double>;
+  { now.velocity() } -> std::convertible_to<Eigen::Vector3d>;
+  { now.standing() } -> std::convertible_to<bool>;
+  { now.braking() } -> std::convertible_to<bool>;
+  { now.finished() } -> std::convertible_to<bool>;
+  body.advance(x);
+};
+}  // namespace surfleet

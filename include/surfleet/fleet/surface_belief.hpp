@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief What a robot or a fleet holds to be true of an unknown surface, and of the space around
+/// it.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/fleet/robot_kind.hpp>
+#include <surfleet/mapping/surface_mesh.hpp>
+#include <surfleet/mapping/tsdf_integrator.hpp>
+#include <surfleet/mapping/voxel_state_map.hpp>
+#include <surfleet/motion/free_space.hpp>
+#include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/viewpoint/coverage_estimate.hpp>
+#include <surfleet/viewpoint/incomplete_surface.hpp>
+#include <surfleet/viewpoint/look_ledger.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
+#include <surfleet/viewpoint/view_frustum.hpp>
+
+namespace surfleet {
+struct SurfaceBeliefOptions {
+  double voxel_size = 0.3;       ///< [m]
+  double known_weight = 0.3;     ///< W_th: a voxel of at least this weight is known.
+  double observed_share = 0.15;  ///< Share of W_th from which a voxel serves flight and sight.
+  TsdfOptions tsdf;              ///< A truncation of 0 stands for three voxels.
+  LookLedgerOptions looks;       ///< When an element is given up.
+  Box3 region;                   ///< Where surface is to be reconstructed [m].
+  std::uint64_t seed = 1;        ///< Of the roadmaps.
+};
+
+/// Space and views as robots of one kind have them.
+struct KindSpace {
+  RobotKind kind;
+  FreeSpace free;
+  /// Its answers are functions of the free space and of the paths asked for before; not for
+  /// concurrent use.
+  mutable LazyPrmStar roadmap;
+  HeadingTable headings;  ///< Of the kind's camera on its mount.
+  ViewFrustum frustum;
+
+  KindSpace(RobotKind k, const VoxelStateMap& flyable, double voxel, std::uint64_t seed)
+      : kind(std::move(k)),
+        free(flyable, {.radius = kind.body_radius,
+                       .bounds = kind.bounds,
+                       .margin = kind.margin.value_or(voxel),
+                       .unknown_margin = kind.unknown_margin.value_or(kind.margin.value_or(voxel)),
+                       .keep_out = kind.keep_out}),
+        roadmap(free, {.seed = seed}),
+        headings(kind.camera, kind.T_body_camera),
+        frustum(kind.camera, kind.T_body_camera) {}
+  KindSpace(const KindSpace&) = delete;
+  KindSpace& operator=(const KindSpace&) = delete;
+};
+
+/// Map, voxel states, incomplete surface, free space and roadmap for each kind of robot, and what
+/// was looked at in vain. Fed by images at poses; everything follows the change with `update`, at a
+/// cost by what has changed.
+class SurfaceBelief {
+ public:
+  using Goal = IncompleteElement;
+
+  /// Throws `Error` on options out of range or no kinds.
+  SurfaceBelief(SurfaceBeliefOptions options, std::span<const RobotKind> kinds)
+      : SurfaceBelief(options, kinds, TsdfMap({.voxel_size = options.voxel_size})) {}
+  /// Goes on from what an earlier mission has left. Also throws if the voxels are of another size.
+  SurfaceBelief(SurfaceBeliefOptions options, std::span<const RobotKind> kinds, TsdfMap map)
+      : options_(checked(std::move(options))),
+        map_(std::move(map)),
+        integrate_(options_.tsdf,
+                   // Behind a surface an image soon knows nothing: beams have another side.
+                   {.full = options_.voxel_size, .zero = 1.5 * options_.voxel_size}),
+        known_(map_, {.known_weight = options_.known_weight}),
+        observed_(map_, {.known_weight = options_.known_weight * options_.observed_share}),
+        flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
+                        .occupied_below = 0.5 * options_.voxel_size}),
+        incomplete_({.known_weight = options_.known_weight, .region = options_.region}),
+        ledger_(options_.looks) {
+    require(!kinds.empty(), "kinds of robots: expected at least one");
+    require(map_.voxel_size() == options_.voxel_size,
+            "map: expected voxels of " + std::to_string(options_.voxel_size) + " m");
+    incomplete_.update(known_);
+    for (const RobotKind& kind : kinds)
+      spaces_.push_back(
+          std::make_unique<KindSpace>(kind, flyable_, options_.voxel_size, options_.seed));
+  }
+  SurfaceBelief(const SurfaceBelief&) = delete;
+  SurfaceBelief& operator=(const SurfaceBelief&) = delete;
+
+  // -- what comes in -----------------------------------------------------------------------------
+  /// Takes what is unknown in `ball` for empty, for robots of this kind: where one starts.
+  void add_known_free(RobotKindId kind, const Sphere& ball) {
+    spaces_[kind]->free.add_known_free(ball);
+  }
+  /// An image that was taken from a pose. Takes effect with the next `update`.
+  void integrate(const DepthImage& image, const PinholeCamera& camera, const Pose& T_world_camera) {
+    integrate_(image, camera, T_world_camera, map_);
+  }
+  void update() {
+    known_.update(map_);
+    observed_.update(map_);
+    flyable_.update(map_);
+    incomplete_.update(known_);
+    for (const auto& space : spaces_) space->free.update();
+    goals_stale_ = true;
+  }
+  /// See `LookLedger`.
+  void looked_in_vain(const VoxelIndex& v, const Eigen::Vector3d& direction) {
+    ledger_.looked_in_vain(v, direction);
+    goals_stale_ = true;
+  }
+  void not_reached(std::span<const VoxelIndex> voxels) {
+    ledger_.not_reached(voxels);
+    goals_stale_ = true;
+  }
+
+  // -- what is held ------------------------------------------------------------------------------
+  const SurfaceBeliefOptions& options() const { return options_; }
+  const Box3& region() const { return options_.region; }
+  double voxel_size() const { return options_.voxel_size; }
+  const TsdfMap& map() const { return map_; }
+  const VoxelStateMap& known() const { return known_; }        ///< States at W_th.
+  const VoxelStateMap& observed() const { return observed_; }  ///< What to look through.
+  const IncompleteSurface& incomplete() const { return incomplete_; }
+  const LookLedger& ledger() const { return ledger_; }
+  std::size_t kinds() const { return spaces_.size(); }
+  const KindSpace& space(RobotKindId kind) const { return *spaces_[kind]; }
+
+  /// The elements still worth planning for, in voxel order; made when first asked for after a
+  /// change. Not for concurrent use.
+  const std::vector<Goal>& goals() const {
+    if (goals_stale_) {
+      goals_ = incomplete_.elements();
+      std::erase_if(goals_, [&](const Goal& e) { return ledger_.given_up(e.voxel); });
+      goals_stale_ = false;
+    }
+    return goals_;
+  }
+  /// Whether an element is incomplete and not given up.
+  bool is_open(const VoxelIndex& v) const {
+    return incomplete_.contains(v) && !ledger_.given_up(v);
+  }
+  /// Images from `at` that make a voxel known: W_th z², as the weights are 1/z².
+  std::size_t images_needed(const Point3& at, const VoxelIndex& v) const {
+    const double z2 = (known_.grid().center(v) - at).squaredNorm();
+    return static_cast<std::size_t>(std::ceil(options_.known_weight * z2)) + 2;
+  }
+  /// How complete the surface is by this belief's own account. O(surface).
+  CoverageEstimate estimate_coverage() const {
+    const TriangleMesh mesh = extract_surface(
+        map_, {.min_weight = options_.known_weight, .threads = options_.tsdf.threads});
+    return surfleet::estimate_coverage(map_, mesh, incomplete_, options_.known_weight,
+                                       options_.region);
+  }
+  /// The map, when all is over; nothing else of the belief may be used after.
+  TsdfMap take_map() { return std::move(map_); }
+
+ private:
+  static SurfaceBeliefOptions checked(SurfaceBeliefOptions o) {
+    require(o.voxel_size > 0.0 && std::isfinite(o.voxel_size),
+            "voxel size: expected a positive length");
+    require(o.known_weight > 0.0 && o.observed_share > 0.0 && o.observed_share <= 1.0,
+            "known weight: expected a positive weight and a share in (0, 1]");
+    if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
+    return o;
+  }
+
+  SurfaceBeliefOptions options_;
+  TsdfMap map_;
+  TsdfIntegrator<DropOffWeight<>> integrate_;
+  VoxelStateMap known_, observed_, flyable_;
+  IncompleteSurface incomplete_;
+  LookLedger ledger_;
+  std::vector<std::unique_ptr<KindSpace>> spaces_;
+  mutable std::vector<Goal> goals_;
+  mutable bool goals_stale_ = true;
+};
+}  // namespace surfleet

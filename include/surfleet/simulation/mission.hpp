@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief What a simulated mission is made with, and what comes of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include <surfleet/core/types.hpp>
+#include <surfleet/fleet/agent.hpp>
+#include <surfleet/fleet/robot_kind.hpp>
+#include <surfleet/fleet/surface_belief.hpp>
+#include <surfleet/viewpoint/coverage_estimate.hpp>
+#include <surfleet/viewpoint/left_reason.hpp>
+
+namespace surfleet {
+struct MissionOptions {
+  RobotKind kind;               ///< Of all robots.
+  SurfaceBeliefOptions belief;  ///< Of the map that they share; its region is the task.
+  AgentOptions agent;
+  double start_clearance = 2.5;  ///< What is known to be free around every start [m].
+  double max_time = 7200.0;      ///< The mission ends at this time at the latest [s].
+  int threads = 1;               ///< The result is the same for any number.
+};
+
+/// A row of the mission's history.
+struct MissionProgress {
+  double time = 0.0;         ///< [s]
+  double path_length = 0.0;  ///< Of all robots [m].
+  std::size_t incomplete = 0;
+  std::size_t known_blocks = 0;
+  /// The mission's own account of how complete its mesh is (`estimate_coverage`), as of the last
+  /// time it was taken: ever more seldom, as the map grows.
+  double estimated_coverage = 0.0;
+};
+
+struct TimedConfiguration {
+  double time = 0.0;  ///< [s]
+  Configuration configuration;
+};
+
+struct MissionResult {
+  bool complete = false;         ///< False if ended by time or from outside.
+  double completion_time = 0.0;  ///< On the mission's clock [s].
+  double planning_time = 0.0;    ///< Of the machine, in the high-level planner [s].
+  std::vector<std::vector<TimedConfiguration>> trajectories;  ///< One a robot.
+  std::vector<double> path_length;                            ///< One a robot [m].
+  std::size_t remaining = 0;                                  ///< Incomplete elements at the end.
+  CoverageEstimate coverage;                                  ///< By its own account, at the end.
+  std::map<LeftReason, std::size_t> reasons;                  ///< Of all that remain.
+  std::vector<MissionProgress> history;                       ///< About once in ten seconds.
+  std::size_t images = 0, plans = 0, emergency_stops = 0, waits = 0;
+
+  double total_path_length() const {
+    double sum = 0.0;
+    for (const double l : path_length) sum += l;
+    return sum;
+  }
+};
+}  // namespace surfleet

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief A drone of the simulator as its agent drives it.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <surfleet/core/types.hpp>
+#include <surfleet/fleet/robot_body.hpp>
+#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/motion/kinematics.hpp>
+
+namespace surfleet {
+/// What cameras see: a simulator, or the world itself.
+///
+/// `capture(robot, shot, fleet)` is the depth image that robot takes as its shot-th, with all
+/// robots at the given configurations. It is asked for different robots at once, and must give the
+/// same image for the same arguments.
+template <typename W>
+concept WorldModel = requires(W& world, std::size_t robot, std::uint64_t shot,
+                              std::span<const Configuration> fleet) {
+  { world.capture(robot, shot, fleet) } -> std::same_as<DepthImage>;
+};
+
+/// Models `RobotBody`: it knows the truth, and says it. World and the fleet's true configurations,
+/// in which it keeps its own up to date, must outlive it.
+template <WorldModel World>
+class SimulatedDrone {
+ public:
+  SimulatedDrone(World& world, std::size_t robot, std::vector<Configuration>& fleet,
+                 const AerialLimits& limits)
+      : world_(&world), robot_(robot), fleet_(&fleet), motion_(fleet[robot], limits) {}
+
+  DepthImage sense() { return world_->capture(robot_, shot_++, *fleet_); }
+  const Configuration& estimate() const { return (*fleet_)[robot_]; }
+  std::vector<Point3> neighbours() const {
+    std::vector<Point3> mates;
+    for (std::size_t k = 0; k < fleet_->size(); ++k)
+      if (k != robot_) mates.push_back((*fleet_)[k].position);
+    return mates;
+  }
+  void follow(std::span<const Point3> path, double yaw, std::optional<double> watch) {
+    AerialMotion::YawLaw look;
+    if (watch) {
+      watch_yaw_ = *watch;
+      look = [this](const Point3&, const Eigen::Vector3d&) { return watch_yaw_; };
+    }
+    motion_.follow(path, yaw, std::move(look));
+  }
+  void watch(double yaw) { watch_yaw_ = yaw; }
+  std::vector<Point3> way_onto(std::span<const Point3> path) const {
+    return motion_.way_onto(path);
+  }
+  void stop() { motion_.stop(); }
+  void resume() { motion_.resume(); }
+  std::vector<Point3> remaining() const { return motion_.remaining(); }
+  double stopping_distance() const { return motion_.stopping_distance(); }
+  Eigen::Vector3d velocity() const { return motion_.velocity(); }
+  bool standing() const { return motion_.standing(); }
+  bool braking() const { return motion_.braking(); }
+  bool finished() const { return motion_.finished(); }
+  void advance(double dt) { (*fleet_)[robot_] = motion_.advance(dt); }
+
+  SimulatedDrone(const SimulatedDrone&) = delete;  // the law of its heading refers to it
+  SimulatedDrone& operator=(const SimulatedDrone&) = delete;
+
+ private:
+  World* world_;
+  std::size_t robot_;
+  std::vector<Configuration>* fleet_;
+  AerialMotion motion_;
+  double watch_yaw_ = 0.0;
+  std::uint64_t shot_ = 0;
+};
+}  // namespace surfleet

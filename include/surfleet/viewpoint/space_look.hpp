@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Unknown space as something to look at: its cells, and the look that shows most of them.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <surfleet/mapping/voxel_state_map.hpp>
+#include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/motion/free_space.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
+
+namespace surfleet {
+/// The space of a map in cells of two voxels each way; a cell is what its first voxel is. Remembers
+/// the last block it read: one a thread.
+class SpaceCells {
+ public:
+  using Cell = VoxelKey;
+
+  explicit SpaceCells(const VoxelStateMap& map) : edge_(2.0 * map.voxel_size()), state_(map) {}
+
+  double edge() const { return edge_; }  ///< [m]
+  VoxelIndex at(const Point3& p) const { return (p / edge_).array().floor().cast<int>(); }
+  /// Of the voxel that decides.
+  Point3 center(const VoxelIndex& c) const {
+    return (c.cast<double>() + Point3::Constant(0.25)) * edge_;
+  }
+  VoxelState state(const VoxelIndex& c) { return state_(c * 2); }
+
+  /// Whether nothing that is known stands in the way of a body there; if so, `note(Cell)` is told
+  /// what is unknown. O(cells of the body).
+  template <typename Note>
+  bool has_room(const Point3& pose, double radius, Note&& note) {
+    const int n = static_cast<int>(std::ceil(radius / edge_));
+    const VoxelIndex middle = at(pose);
+    std::vector<Cell> found;
+    for (int z = -n; z <= n; ++z)
+      for (int y = -n; y <= n; ++y)
+        for (int x = -n; x <= n; ++x) {
+          const VoxelIndex c = middle + VoxelIndex(x, y, z);
+          if ((center(c) - pose).norm() > radius) continue;
+          const VoxelState s = state(c);
+          if (s == VoxelState::occupied) return false;
+          if (s == VoxelState::unknown) found.push_back(key_of(c));
+        }
+    for (const Cell& c : found) note(c);
+    return true;
+  }
+
+ private:
+  double edge_;
+  VoxelStateMap::Accessor state_;
+};
+
+/// Looks at cells of unknown space. What stays unknown after some looks is left alone.
+class SpaceLooks {
+ public:
+  int max_looks = 3;  ///< At a cell before it is given up.
+
+  struct Wanted {
+    SpaceCells::Cell cell;
+    double worth = 1.0;  ///< At most 1.
+  };
+  struct Look {
+    Configuration configuration;
+    std::size_t site = 0;  // of the lattice
+  };
+
+  bool given_up(const SpaceCells::Cell& c) const {
+    const auto it = looks_.find(c);
+    return it != looks_.end() && it->second >= max_looks;
+  }
+
+  /// One search among the cells wanted now; those that are given up should not be.
+  class Search {
+   public:
+    /// Looks reach as far as `reach` [m]. All but the cells must outlive it.
+    Search(SpaceLooks& looks, FlightLattice<FreeSpace>& lattice, std::vector<Wanted> wanted,
+           const VoxelStateMap& map, const HeadingTable& headings, double reach)
+        : looks_(&looks),
+          lattice_(&lattice),
+          wanted_(std::move(wanted)),
+          targets_(targets_of(wanted_, map), MapSight(map), headings, {.max_range = reach}),
+          done_(wanted_.size(), 0) {}
+
+    struct Limits {
+      double least = 0.0;                                         ///< Worth that a look must show.
+      double farthest = std::numeric_limits<double>::infinity();  ///< From the start [m].
+      double saved = 0.0;  ///< No look costs less than its distance less so much [m].
+      /// No look is to be the one that was just made.
+      std::optional<Configuration> made{};
+    };
+    /// The look of the highest worth over its cost that shows something, if there is one;
+    /// `cost(site)` is more than 0, and infinite where no look is to be [m].
+    template <typename Cost>
+    std::optional<Look> best(const Point3& start, const Limits& limits, Cost&& cost) {
+      std::optional<Look> best;
+      double best_rate = 0.0;
+      const auto all = static_cast<double>(targets_.size());
+      lattice_->search(start, [&](const auto& site) {
+        if (site.distance > limits.farthest || all <= best_rate * (site.distance - limits.saved))
+          return false;
+        const double metres = cost(site);
+        if (all <= best_rate * metres || std::isinf(metres)) return true;
+        const std::size_t id = lattice_->index(site.cell);
+        const auto [it, fresh] = seen_.try_emplace(id);
+        if (fresh) it->second = targets_.seen_from(site.position);
+        auto worth = worth_by_heading(targets_, it->second, done_);
+        if (limits.made && (limits.made->position - site.position).norm() < kSamePlace)
+          worth[static_cast<std::size_t>(nearest_heading(limits.made->yaw))] = 0.0;
+        for (std::size_t k = 0; k < kHeadings; ++k)
+          if (worth[k] >= limits.least && worth[k] > best_rate * metres) {
+            best_rate = worth[k] / metres;
+            best = Look{{site.position, heading_angle(static_cast<int>(k))}, id};
+          }
+        return true;
+      });
+      return best;
+    }
+    /// The look will be made: what it shows is wanted no more, and is one look nearer to be given
+    /// up.
+    void take(const Look& look) {
+      mark_in_view(seen_.at(look.site), nearest_heading(look.configuration.yaw), done_,
+                   [&](std::size_t id) { ++looks_->looks_[wanted_[id].cell]; });
+    }
+
+   private:
+    static constexpr double kSamePlace = 0.02;  // [m]
+    static std::vector<SightTarget> targets_of(const std::vector<Wanted>& wanted,
+                                               const VoxelStateMap& map) {
+      const SpaceCells cells(map);
+      std::vector<SightTarget> targets;
+      for (const Wanted& w : wanted)
+        targets.push_back({cells.center(VoxelIndex(w.cell[0], w.cell[1], w.cell[2])),
+                           Eigen::Vector3d::Zero(), w.worth, kDepth});
+      return targets;
+    }
+
+    SpaceLooks* looks_;
+    FlightLattice<FreeSpace>* lattice_;
+    std::vector<Wanted> wanted_;
+    SightTargets<> targets_;
+    std::vector<char> done_;
+    std::map<std::size_t, std::vector<Sighting>> seen_;  // by site
+  };
+
+ private:
+  static constexpr int kDepth = 3;  ///< Unknown voxels a look at space may pass.
+  std::map<SpaceCells::Cell, int> looks_;
+};
+}  // namespace surfleet

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief A small world for the fleet's tests: a box in empty space, seen without noise.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/mesh_primitives.hpp>
+#include <surfleet/simulation/mission.hpp>
+
+namespace box_world {
+inline surfleet::Box3 box() {
+  return {surfleet::Point3(-1.5, -1.0, 0.0), surfleet::Point3(1.5, 1.0, 2.0)};
+}
+
+struct World {
+  surfleet::TriangleMesh mesh = surfleet::make_box(box());
+  surfleet::Bvh bvh{mesh};
+  surfleet::PinholeCamera camera = surfleet::PinholeCamera::from_fov(
+      surfleet::radians(90.0), surfleet::radians(60.0), 48, 28, 0.5, 4.0);
+
+  surfleet::DepthImage capture(std::size_t robot, std::uint64_t /*shot*/,
+                               std::span<const surfleet::Configuration> fleet) const {
+    const surfleet::Pose T = fleet[robot].pose() * surfleet::forward_camera_mount();
+    surfleet::DepthImage image(camera.width, camera.height,
+                               static_cast<float>(camera.max_range * 2.0));
+    for (int v = 0; v < camera.height; ++v)
+      for (int u = 0; u < camera.width; ++u)
+        if (const auto hit = bvh.cast(T.translation(), T.linear() * camera.ray(u, v), 4.0))
+          image(u, v) = static_cast<float>(hit->t);
+    return image;
+  }
+};
+
+inline surfleet::MissionOptions options(const World& world) {
+  surfleet::MissionOptions o;
+  o.kind.camera = world.camera;
+  o.belief.voxel_size = 0.2;
+  o.belief.tsdf.truncation = 0.6;
+  o.kind.body_radius = 0.4;
+  o.start_clearance = 1.9;  // as far as it takes until the image is as high as the body
+  o.kind.limits.speed = 1.0;
+  o.belief.region =
+      surfleet::Box3(surfleet::Point3(-2.0, -1.5, -0.3), surfleet::Point3(2.0, 1.5, 2.3));
+  o.kind.bounds =
+      surfleet::Box3(surfleet::Point3(-5.0, -5.0, -3.0), surfleet::Point3(5.0, 5.0, 5.0));
+  o.max_time = 600.0;
+  return o;
+}
+
+inline std::vector<surfleet::Configuration> starts(int n) {
+  std::vector<surfleet::Configuration> list;
+  for (int i = 0; i < n; ++i) list.push_back({surfleet::Point3(-3.5, -1.0 + 1.5 * i, 1.0), 0.0});
+  return list;
+}
+}  // namespace box_world
