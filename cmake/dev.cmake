@@ -30,6 +30,8 @@ foreach(component fcl embree png)
   endif()
 endforeach()
 
+target_link_libraries(surfleet_compiled PRIVATE surfleet_dev)
+
 # Packages that single files ask for with a line `// requires: name`.
 find_package(octomap QUIET)
 find_package(ompl QUIET)

@@ -36,6 +36,13 @@ surfleet_adapter(fcl fcl fcl fcl_body.hpp fcl_mesh_judge.hpp)
 surfleet_adapter(embree embree embree embree_ray_caster.hpp)
 surfleet_adapter(png PNG PNG::PNG png_depth.hpp png_writer.hpp)
 
+# What takes the compiler long, compiled once: for who builds this project along with theirs.
+file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/compiled/*.cpp)
+add_library(surfleet_compiled STATIC EXCLUDE_FROM_ALL ${sources})
+add_library(surfleet::compiled ALIAS surfleet_compiled)
+target_compile_definitions(surfleet_compiled PUBLIC SURFLEET_COMPILED)
+target_link_libraries(surfleet_compiled PUBLIC surfleet)
+
 include(CMakePackageConfigHelpers)
 configure_package_config_file(cmake/surfleet-config.cmake.in surfleet-config.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/surfleet)

@@ -38,6 +38,12 @@ Arguments arguments(int argc, char** argv) {
   app.add("--out", a.out, "folder for the results");
   app.add_flag("--quiet", a.quiet, "no progress line");
   app.add_config_file();
+  app.add_examples(
+      "  drone_inspection --robots 3 --out out/plant          the bundled power plant\n"
+      "  drone_inspection --scene bridge.ply --preset statue  your own mesh, finer voxels\n"
+      "  drone_inspection --scene random:hall:7 --robots 2    a generated scene\n"
+      "  drone_inspection --scene statue --planner tsga       a published planner\n"
+      "  drone_inspection --print-config > my.toml            then --config my.toml");
   app.parse(argc, argv);
   a.settings = options.settle();
   check_recording(a.settings);

@@ -2,6 +2,8 @@
 #include "support/cli.hpp"
 
 #include <CLI/CLI.hpp>
+#include <array>
+#include <charconv>
 #include <cstdint>
 #include <iostream>
 #include <map>
@@ -10,6 +12,8 @@
 #include <type_traits>
 #include <variant>
 #include <vector>
+
+#include <surfleet/core/version.hpp>
 
 namespace surfleet::cli {
 Option& Option::required() {
@@ -76,11 +80,16 @@ std::string check_value(const std::string& text) {
 Options::Options(const std::string& description) : app_(std::make_unique<CLI::App>(description)) {
   // A setting in a file that nobody reads would be a mistake nobody sees.
   app_->allow_config_extras(CLI::config_extras_mode::error);
+  app_->set_version_flag("--version", "Surfleet " + std::to_string(SURFLEET_VERSION_MAJOR) + "." +
+                                          std::to_string(SURFLEET_VERSION_MINOR) + "." +
+                                          std::to_string(SURFLEET_VERSION_PATCH))
+      ->configurable(false);
 }
 Options::~Options() = default;
 
 Option Options::declare(const std::string& name, const Variable& variable,
                         const std::string& help) {
+  if (name.starts_with("--")) variables_.emplace_back(name.substr(2), variable);
   return std::visit(
       [&](auto* value) {
         CLI::Option* option = app_->add_option(name, *value, help);
@@ -90,15 +99,53 @@ Option Options::declare(const std::string& name, const Variable& variable,
         if (shown) option->capture_default_str();
         using Value = typename ValueOf<std::decay_t<decltype(*value)>>::type;
         option->check([](const std::string& text) { return check_value<Value>(text); });
+        if (!group_.empty()) option->group(group_);
         return Option(*option);
       },
       variable);
 }
 void Options::add_flag(const std::string& names, bool& variable, const std::string& help) {
-  app_->add_flag(names, variable, help);
+  CLI::Option* flag = app_->add_flag(names, variable, help);
+  flags_.emplace_back(flag->get_single_name(), &variable);
+  if (!group_.empty()) flag->group(group_);
 }
+void Options::begin_group(const std::string& title) { group_ = title; }
+void Options::add_examples(const std::string& lines) { app_->footer("Examples:\n" + lines); }
 void Options::add_config_file() {
   app_->set_config("--config", "", "settings from a TOML file: option names without dashes");
+  app_->add_flag("--print-config", print_config_, "print what holds as such a file, and end")
+      ->configurable(false);
+}
+
+namespace {
+/// As TOML has it; nothing for what is not set.
+std::string in_toml(const std::string& value) { return value.empty() ? "" : '"' + value + '"'; }
+template <typename Number>
+requires std::is_arithmetic_v<Number> std::string in_toml(Number value) {
+  std::array<char, 40> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+template <typename T>
+std::string in_toml(const std::optional<T>& value) {
+  return value ? in_toml(*value) : "";
+}
+template <typename T>
+std::string in_toml(const std::vector<T>& values) {
+  std::string list;
+  for (const T& v : values) list += (list.empty() ? "[" : ", ") + in_toml(v);
+  return list.empty() ? "" : list + "]";
+}
+}  // namespace
+
+std::string Options::as_config() const {
+  std::string text;
+  for (const auto& [name, variable] : variables_) {
+    const std::string value = std::visit([](const auto* v) { return in_toml(*v); }, variable);
+    if (!value.empty()) text += name + " = " + value + '\n';
+  }
+  for (const auto& [name, value] : flags_)
+    if (*value) text += name + " = true\n";
+  return text;
 }
 
 void Options::parse(int argc, const char* const* argv) {
@@ -111,6 +158,11 @@ void Options::parse(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& e) {
     throw Error(std::string(e.what()) + " (--help lists the options)");
   }
+  if (!print_config_) return;
+  if (settle_) settle_();
+  std::cout << as_config();
+  std::cout.flush();
+  throw Exit{kDone};
 }
 void Options::parse_config(std::istream& file) {
   try {

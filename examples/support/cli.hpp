@@ -28,6 +28,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iosfwd>
 #include <map>
 #include <memory>
@@ -110,9 +111,16 @@ class Options {
   }
   /// "--name", or "--name,!--no-name" for one that can be taken back.
   void add_flag(const std::string& names, bool& variable, const std::string& help);
-  /// --config FILE sets what the command line leaves.
+  /// What is declared from here on stands under this title in the help.
+  void begin_group(const std::string& title);
+  /// Command lines that the help ends with, one a line.
+  void add_examples(const std::string& lines);
+  /// --config FILE sets what the command line leaves; --print-config says what holds in the form of
+  /// such a file, and leaves `run` with status 0.
   void add_config_file();
-  /// Help is printed and leaves `run` with status 0; a wrong option is an `Error`.
+  /// Called before --print-config prints, to set what follows from other options.
+  void settle_before_printing(std::function<void()> settle) { settle_ = std::move(settle); }
+  /// Help and version are printed and leave `run` with status 0; a wrong option is an `Error`.
   void parse(int argc, const char* const* argv);
   /// Takes the options from the text of such a file alone. Throws `Error`.
   void parse_config(std::istream& file);
@@ -123,7 +131,14 @@ class Options {
 
  private:
   Option declare(const std::string& name, const Variable& variable, const std::string& help);
+  /// All that has a value, as a file for --config.
+  std::string as_config() const;
   std::unique_ptr<CLI::App> app_;
+  std::string group_;  ///< Of what is declared next; empty: the parser's own.
+  std::vector<std::pair<std::string, Variable>> variables_;  ///< By names without dashes.
+  std::vector<std::pair<std::string, const bool*>> flags_;
+  std::function<void()> settle_;
+  bool print_config_ = false;
 };
 
 /// Runs a program's body and turns what it throws into one line on stderr and an exit status.

@@ -11,34 +11,17 @@
 
 #include "support/cli.hpp"
 #include "support/peak_memory.hpp"
-#include "support/planners.hpp"
 #include "support/recorded_world.hpp"
 
 #include <surfleet/evaluation/observable_surface.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/mapping/surface_mesh.hpp>
 #include <surfleet/mapping/surface_points.hpp>
+#include <surfleet/simulation/fly_mission.hpp>
 #include <surfleet/simulation/scenes.hpp>
-#include <surfleet/simulation/simulation.hpp>
 
 namespace surfleet::examples {
 namespace {
-AnyPlanner planner_for(const InspectionSettings& s) {
-  PlannerSettings p;
-  p.tours.distance = s.standoff;
-  p.tours.clusters = {
-      .radius = s.cluster_radius,
-      .max_radius = s.cluster_max_radius,
-      .max_extent = planner_by_name(s.planner).bounded_clusters ? 2.0 * s.cluster_max_radius : 0.0};
-  p.tours.by_path = s.cluster_distance == "path";
-  p.tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
-  p.merge = s.merge;
-  // A stop takes some two seconds, with the braking before it and the images there.
-  p.cost = {.stop = 2.0 * s.limits.speed, .turn = s.limits.speed / s.limits.yaw_rate};
-  if (s.utility_share_given) p.utility_share = s.utility_share;
-  return make_planner(s.planner, p);
-}
-
 /// Points that both surfaces are sampled with at the most; larger scenes are sampled less densely.
 constexpr double kMostSamples = 1e7;
 
@@ -191,20 +174,20 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
     RecordedWorld world(site.world(s), s, site.camera);
-    Simulation<AnyPlanner, RecordedWorld<DroneWorld<EmbreeRayCaster>>> mission(
-        mission_options(s, site), world, starts, planner_for(s));
     using Clock = std::chrono::steady_clock;
     const auto before = Clock::now();
     Clock::duration watched{};
-    mission.on_progress = [&](const MissionProgress& p) {
-      const auto asked = Clock::now();
-      const bool go_on = progress(p, mission.map());
-      watched += Clock::now() - asked;
-      return go_on;
-    };
-    run.result = mission.run();
+    FlownMission flown = fly_mission(mission_options(s, site), world, starts,
+                                     make_planner(s.planner, s.planner_settings()),
+                                     [&](const MissionProgress& p, const TsdfMap& map) {
+                                       const auto asked = Clock::now();
+                                       const bool go_on = progress(p, map);
+                                       watched += Clock::now() - asked;
+                                       return go_on;
+                                     });
     run.wall_time = std::chrono::duration<double>(Clock::now() - before - watched).count();
-    run.map = mission.take_map();
+    run.result = std::move(flown.result);
+    run.map = std::move(flown.map);
     run.mission_memory = peak_memory();
   }
   const PointCloud points =

@@ -18,6 +18,7 @@
 #include <surfleet/mapping/tsdf_map.hpp>
 #include <surfleet/simulation/agreeing_judges.hpp>
 #include <surfleet/simulation/drone_world.hpp>
+#include <surfleet/simulation/fly_mission.hpp>
 #include <surfleet/simulation/judge.hpp>
 #include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/scene.hpp>
@@ -83,7 +84,7 @@ struct InspectionJudgement {
 };
 
 /// Told about once a simulated second; ends the mission by returning false.
-using InspectionProgress = std::function<bool(const MissionProgress&, const TsdfMap&)>;
+using InspectionProgress = MissionWatch;
 /// `wall_time` leaves out what `progress` takes.
 InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
                              const InspectionProgress& progress);

@@ -12,58 +12,27 @@
 #include <vector>
 
 #include "support/cli.hpp"
-#include "support/planner_names.hpp"
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/text_scanner.hpp>
 #include <surfleet/motion/kinematics.hpp>
+#include <surfleet/planning/named_planners.hpp>
+#include <surfleet/planning/presets.hpp>
 #include <surfleet/simulation/random_scene.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
 
 namespace surfleet::examples {
-/// What the seeds set for each scene [000 Tables 2.1, 3.1], and the margins that go with it; as it
-/// stands, for the power plant.
-struct ScenePreset {
-  double voxel = 0.3;
-  double radius = 1.0;
-  double margin = 0.35, unknown_margin = 0.35;
-  std::vector<double> range{1.6, 8.0};
-  double standoff = 4.7;
-  double cluster_radius = 2.0;
-  double lambda_tc = 0.3, lambda_ic = 0.03;
-  double utility_share = 0.2;
-};
-/// powerplant, statue, or a kind of random scenes. Throws `Error` for another name.
-inline ScenePreset preset_by_name(std::string_view name) {
-  if (const RandomSceneSpec* spec = find_random_scene_spec(name)) {
-    ScenePreset preset;
-    preset.voxel = spec->voxel;
-    preset.radius = spec->radius;
-    preset.margin = spec->margin;
-    preset.unknown_margin = spec->unknown_margin;
-    preset.range = {spec->nearest, spec->farthest};
-    preset.standoff = spec->standoff;
-    return preset;
-  }
-  if (name == "powerplant") return {};
-  if (name == "statue")
-    return {.voxel = 0.15,
-            .margin = 0.4,  // its crown has spikes that such voxels know only in part
-            .unknown_margin = 0.15,
-            .range = {1.0, 5.0},
-            .standoff = 3.6,
-            .cluster_radius = 2.5,
-            .lambda_tc = 0.17,
-            .lambda_ic = 0.15,
-            .utility_share = 0.5};
-  throw Error("preset " + std::string(name) + ": not known; expected powerplant, statue, " +
-              random_scene_kinds());
+/// Of a published mission, or of a kind of random scenes. Throws `Error` for another name.
+inline MissionPreset preset_by_name(std::string_view name) {
+  if (const RandomSceneSpec* spec = find_random_scene_spec(name)) return spec->preset();
+  return published_preset(name, random_scene_kinds());
 }
 
 /// What the command line says. Angles in degrees, as people give them.
-struct InspectionSettings : ScenePreset {
+struct InspectionSettings : MissionPreset {
+  std::vector<double> range{nearest, farthest};  ///< As it is given [m].
   std::string scene = "powerplant";
   std::string preset;  ///< Empty: the one that fits the scene's name, else powerplant.
   std::string planner = "surfleet";
@@ -99,6 +68,20 @@ struct InspectionSettings : ScenePreset {
     const double needed = radius + margin + voxel;
     return start_clearance.value_or(needed / std::sin(0.5 * radians(fov[1])) + 1.5 * voxel);
   }
+  PlannerSettings planner_settings() const {
+    PlannerSettings p;
+    p.standoff = standoff;
+    p.cluster_radius = cluster_radius;
+    p.cluster_max_radius = cluster_max_radius;
+    p.cluster_by_path = cluster_distance == "path";
+    p.lambda_tc = lambda_tc;
+    p.lambda_ic = lambda_ic;
+    p.merge = merge;
+    p.speed = limits.speed;
+    p.yaw_rate = limits.yaw_rate;
+    if (utility_share_given) p.utility_share = utility_share;
+    return p;
+  }
   /// What it is called in results: the one fleet that flies here has one map and one planner.
   std::string architecture_name() const {
     if (!architecture.empty()) return architecture;
@@ -119,8 +102,11 @@ class InspectionOptions {
   explicit InspectionOptions(cli::Options& app,
                              InspectionProgram program = InspectionProgram::mission)
       : app_(app) {
+    app.settle_before_printing([this] { settings = settle(); });
     // A mission that is cut short says nothing beside others, and one drone alone takes long.
     if (program == InspectionProgram::trials) settings.max_time = 14000.0;
+    const bool explores = program != InspectionProgram::tour;
+    app.begin_group("Scene and task");
     app.add("--scene", settings.scene,
             "powerplant, statue, house, random:KIND:SEED with KIND " + random_scene_kinds() +
                 " or all (seeds 1-99 for development, 1000 and up for reported figures only), or a "
@@ -128,32 +114,6 @@ class InspectionOptions {
     app.add("--preset", settings.preset,
             "powerplant or statue: the published parameters, or those of a KIND of random scenes; "
             "the defaults below are those of the power plant");
-    if (program == InspectionProgram::mission) {
-      app.add("--planner", settings.planner, "one of " + planner_list());
-      app.add("--architecture", settings.architecture, "single or centralized");
-      app.add("--robots", settings.robots, "number of drones");
-    }
-    app.add("--seed", settings.seed, "of noise and roadmap");
-    app.add("--voxel", settings.voxel, "edge of a voxel [m]");
-    app.add("--range", settings.range, "nearest and farthest depth [m]").expected(2);
-    app.add("--fov", settings.fov, "horizontal and vertical field of view [deg]").expected(2);
-    app.add("--image-width", settings.image_width, "columns of the depth image [px]");
-    app.add("--rate", settings.rate, "images a second");
-    const bool explores = program != InspectionProgram::tour;
-    if (explores) app.add("--standoff", settings.standoff, "delta_pose, distance of a view [m]");
-    app.add("--speed", settings.limits.speed, "nominal speed [m/s]");
-    if (explores) app.add("--acceleration", settings.limits.acceleration, "of a drone [m/s^2]");
-    app.add("--yaw-rate", settings.limits.yaw_rate, "at which a drone turns [rad/s]");
-    app.add("--radius", settings.radius, "of a drone's body [m]");
-    app.add("--margin", settings.margin, "kept beyond the body [m]");
-    if (explores)
-      app.add("--unknown-margin", settings.unknown_margin,
-              "the same from what is unknown [m]; as a rule a voxel");
-    app.add("--start", settings.start, "place of the first drone [m]").expected(3);
-    app.add("--start-clearance", settings.start_clearance,
-            "known to be free of the structure around every start [m]; default what the camera "
-            "leaves unseen: (radius + margin + voxel) / sin(half the vertical field of view) + 1.5 "
-            "voxels");
     app.add("--bounds", settings.bounds, "flight space x0 y0 z0 x1 y1 z1 [m]").expected(6);
     app.add("--floor", floor_,
             "height that no drone's body comes below [m], or none; default the mesh's lowest "
@@ -161,32 +121,65 @@ class InspectionOptions {
     app.add("--keep-out", keep_out_,
             "x0 y0 z0 x1 y1 z1 of a box that no drone's body may enter [m]; may be repeated");
     app.add("--ground", settings.ground, "height of a ground plane under the mesh [m]");
+    app.add("--start", settings.start, "place of the first drone [m]").expected(3);
+    app.add("--start-clearance", settings.start_clearance,
+            "known to be free of the structure around every start [m]; default what the camera "
+            "leaves unseen: (radius + margin + voxel) / sin(half the vertical field of view) + 1.5 "
+            "voxels");
+    app.begin_group("Robots");
+    if (program == InspectionProgram::mission) {
+      app.add("--robots", settings.robots, "number of drones");
+      app.add("--planner", settings.planner, "one of " + planner_list());
+      app.add("--architecture", settings.architecture, "single or centralized");
+    }
+    app.add("--speed", settings.limits.speed, "nominal speed [m/s]");
+    app.add("--yaw-rate", settings.limits.yaw_rate, "at which a drone turns [rad/s]");
+    app.add("--radius", settings.radius, "of a drone's body [m]");
+    app.add("--margin", settings.margin, "kept beyond the body [m]");
+    if (explores) {
+      app.add("--acceleration", settings.limits.acceleration, "of a drone [m/s^2]");
+      app.add("--unknown-margin", settings.unknown_margin,
+              "the same from what is unknown [m]; as a rule a voxel");
+    }
+    app.begin_group("Camera");
+    app.add("--range", settings.range, "nearest and farthest depth [m]").expected(2);
+    app.add("--fov", settings.fov, "horizontal and vertical field of view [deg]").expected(2);
+    app.add("--image-width", settings.image_width, "columns of the depth image [px]");
+    app.add("--rate", settings.rate, "images a second");
     app.add("--noise", noise_, "stereo noise, on or off");
     app.add("--disparity-error", settings.stereo.disparity_error, "|e_d| of that noise [px]");
     app.add("--focal", settings.stereo.focal, "f of that noise [px]");
     app.add("--baseline", settings.stereo.baseline, "B of that noise [m]");
-    app.add("--threads", settings.threads, "threads; the result is the same for any number");
+    app.begin_group("Map");
+    app.add("--voxel", settings.voxel, "edge of a voxel [m]");
     app.add("--known-weight", settings.known_weight, "W_th: weight of a known voxel");
     app.add("--truncation", settings.truncation, "mu of the TSDF [m]; default three voxels");
-    if (!explores) return;
-    app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
-    app.add("--merge-distance", settings.merge.distance,
-            "epsilon: viewpoints this near are one, if they look alike [m] (all but surfleet, rate "
-            "and tours)");
-    app.add("--cluster-radius", settings.cluster_radius, "d_nu [m]");
-    app.add("--cluster-max-radius", settings.cluster_max_radius,
-            "d_nu^max: up to which a viewpoint alone looks for company [m]");
-    app.add("--cluster-distance", settings.cluster_distance,
-            "what joins viewpoints: straight lines or roadmap paths")
-        .one_of({"straight", "path"});
-    app.add("--lambda-tc", settings.lambda_tc,
-            "penalty of travel between clusters [1/m] (all but surfleet, rate and tours)");
-    app.add("--lambda-ic", settings.lambda_ic,
-            "penalty of travel inside clusters [1/m] (all but surfleet, rate and tours)");
-    app.add("--utility-share", settings.utility_share,
-            "1 - c_thres: share of a route's work whose completion asks for a new plan; surfleet "
-            "and nnb ask sooner unless this is given");
-    app.add("--max-looks", settings.max_looks, "looks in vain before an element is given up");
+    if (explores) {
+      app.begin_group("Planner");
+      app.add("--standoff", settings.standoff, "delta_pose, distance of a view [m]");
+      app.add("--utility-share", utility_share_,
+              "1 - c_thres: share of a route's work whose completion asks for a new plan; surfleet "
+              "and nnb ask sooner unless this is given; default 0.2, statue 0.5");
+      app.add("--max-looks", settings.max_looks, "looks in vain before an element is given up");
+      app.add(
+          "--merge-distance", settings.merge.distance,
+          "epsilon: viewpoints this near are one, if they look alike [m] (all but surfleet, rate "
+          "and tours)");
+      app.add("--cluster-radius", settings.cluster_radius, "d_nu [m]");
+      app.add("--cluster-max-radius", settings.cluster_max_radius,
+              "d_nu^max: up to which a viewpoint alone looks for company [m]");
+      app.add("--cluster-distance", settings.cluster_distance,
+              "what joins viewpoints: straight lines or roadmap paths")
+          .one_of({"straight", "path"});
+      app.add("--lambda-tc", settings.lambda_tc,
+              "penalty of travel between clusters [1/m] (all but surfleet, rate and tours)");
+      app.add("--lambda-ic", settings.lambda_ic,
+              "penalty of travel inside clusters [1/m] (all but surfleet, rate and tours)");
+    }
+    app.begin_group("Run");
+    app.add("--seed", settings.seed, "of noise and roadmap");
+    app.add("--threads", settings.threads, "threads; the result is the same for any number");
+    if (explores) app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
   }
 
   /// Call once, after parsing: applies the preset under what was given, and checks everything that
@@ -198,7 +191,8 @@ class InspectionOptions {
                : is_random_scene(given.scene) ? std::string(parse_random_scene(given.scene).kind)
                : given.scene == "statue"      ? "statue"
                                               : "powerplant";
-    static_cast<ScenePreset&>(s) = preset_by_name(s.preset);
+    static_cast<MissionPreset&>(s) = preset_by_name(s.preset);
+    s.range = {s.nearest, s.farthest};
     const auto keep = [&](const std::string& option, auto member) {
       if (app_.was_given(option)) s.*member = given.*member;
     };
@@ -213,8 +207,8 @@ class InspectionOptions {
     keep("--cluster-radius", &InspectionSettings::cluster_radius);
     keep("--lambda-tc", &InspectionSettings::lambda_tc);
     keep("--lambda-ic", &InspectionSettings::lambda_ic);
-    keep("--utility-share", &InspectionSettings::utility_share);
-    s.utility_share_given = app_.was_given("--utility-share");
+    s.utility_share_given = utility_share_.has_value();
+    s.utility_share = utility_share_.value_or(s.utility_share);
     s.cluster_max_radius = app_.was_given("--cluster-max-radius")
                                ? given.cluster_max_radius
                                : std::max(given.cluster_max_radius, s.cluster_radius);
@@ -292,6 +286,7 @@ class InspectionOptions {
   }
 
   cli::Options& app_;
+  std::optional<double> utility_share_;
   std::string noise_ = "on", floor_;
   std::vector<double> keep_out_;
 };

@@ -9,10 +9,10 @@
 
 #include "support/inspection.hpp"
 
-#include <surfleet/fleet/coverage_tour.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/planning/coverage_tour.hpp>
 
 namespace surfleet::examples {
 /// Plans tours over the sides of a site's surface that can be seen, in the free space that a

@@ -7,6 +7,7 @@
 
 #include <surfleet/core/assert.hpp>
 #include <surfleet/core/binary_io.hpp>
+#include <surfleet/core/compiled.hpp>
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/core/parse_number.hpp>

@@ -8,6 +8,7 @@
 #include <surfleet/simulation/agreeing_judges.hpp>
 #include <surfleet/simulation/depth_camera.hpp>
 #include <surfleet/simulation/drone_world.hpp>
+#include <surfleet/simulation/fly_mission.hpp>
 #include <surfleet/simulation/house.hpp>
 #include <surfleet/simulation/judge.hpp>
 #include <surfleet/simulation/mesh_map.hpp>
@@ -23,3 +24,4 @@
 #include <surfleet/simulation/steam_chest.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
 #include <surfleet/simulation/surfaces.hpp>
+#include <surfleet/simulation/world_model.hpp>

@@ -11,5 +11,6 @@
 #include <surfleet/geometry.hpp>
 #include <surfleet/mapping.hpp>
 #include <surfleet/motion.hpp>
+#include <surfleet/planning.hpp>
 #include <surfleet/simulation.hpp>
 #include <surfleet/viewpoint.hpp>

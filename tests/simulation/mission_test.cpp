@@ -10,12 +10,12 @@
 #include "box_world.hpp"
 #include "check.hpp"
 
-#include <surfleet/fleet/rate_planner.hpp>
-#include <surfleet/fleet/rate_then_tours.hpp>
-#include <surfleet/fleet/tour_planner.hpp>
-#include <surfleet/fleet/tours_behind.hpp>
-#include <surfleet/fleet/with_space_looks.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
+#include <surfleet/planning/rate_planner.hpp>
+#include <surfleet/planning/rate_then_tours.hpp>
+#include <surfleet/planning/tour_planner.hpp>
+#include <surfleet/planning/tours_behind.hpp>
+#include <surfleet/planning/with_space_looks.hpp>
 
 namespace {
 using namespace surfleet;

@@ -14,12 +14,12 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/plan.hpp>
 #include <surfleet/fleet/robot_body.hpp>
-#include <surfleet/fleet/surface_belief.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
+#include <surfleet/planning/plan.hpp>
+#include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
 #include <surfleet/viewpoint/visibility.hpp>
 

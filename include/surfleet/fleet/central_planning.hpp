@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <surfleet/fleet/agent.hpp>
-#include <surfleet/fleet/plan.hpp>
+#include <surfleet/planning/plan.hpp>
 
 namespace surfleet {
 /// Asks the planner when a robot asks for work, and knows when there is none left [000 ch. 2, 3].

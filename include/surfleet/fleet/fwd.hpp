@@ -3,30 +3,6 @@
 /// @brief Declarations of the fleet room, for headers that only name its types.
 #pragma once
 
-#include <cstdint>
-
 namespace surfleet {
 struct AgentOptions;
-struct CoverageTour;
-struct CoverageTourOptions;
-struct KindSpace;
-struct KnownSurface;
-struct LoneClimbOptions;
-struct OpeningLookOptions;
-class OpeningLooks;
-struct Plan;
-class RatePlanner;
-struct RatePlannerOptions;
-struct ReplanRule;
-struct RobotKind;
-struct RobotState;
-struct SpaceLooksOptions;
-struct Stop;
-class SurfaceBelief;
-struct SurfaceBeliefOptions;
-struct TourAheadOptions;
-struct TourAheadStop;
-struct TourPlannerOptions;
-struct ToursBehindOptions;
-struct TourSite;
 }  // namespace surfleet

@@ -10,8 +10,8 @@
 
 #include <surfleet/core/types.hpp>
 #include <surfleet/fleet/agent.hpp>
-#include <surfleet/fleet/robot_kind.hpp>
-#include <surfleet/fleet/surface_belief.hpp>
+#include <surfleet/planning/robot_kind.hpp>
+#include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/viewpoint/coverage_estimate.hpp>
 #include <surfleet/viewpoint/left_reason.hpp>
 

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/planning/presets.hpp>
 #include <surfleet/simulation/detail/random_bridge.hpp>
 #include <surfleet/simulation/detail/random_dirt.hpp>
 #include <surfleet/simulation/detail/random_hall.hpp>
@@ -49,6 +50,17 @@ struct RandomSceneSpec {
   /// there: where the image is as high as what the body needs, and what voxels blur.
   double start_clearance() const {
     return (radius + margin + voxel) / std::sin(radians(30.0)) + 1.5 * voxel;
+  }
+  MissionPreset preset() const {
+    MissionPreset p;
+    p.voxel = voxel;
+    p.radius = radius;
+    p.margin = margin;
+    p.unknown_margin = unknown_margin;
+    p.nearest = nearest;
+    p.farthest = farthest;
+    p.standoff = standoff;
+    return p;
   }
   /// Between robots at their starting places.
   double spacing() const { return starting_distance(radius, margin); }

@@ -3,7 +3,6 @@
 /// @brief A drone of the simulator as its agent drives it.
 #pragma once
 
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,19 +13,9 @@
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 #include <surfleet/motion/kinematics.hpp>
+#include <surfleet/simulation/world_model.hpp>
 
 namespace surfleet {
-/// What cameras see: a simulator, or the world itself.
-///
-/// `capture(robot, shot, fleet)` is the depth image that robot takes as its shot-th, with all
-/// robots at the given configurations. It is asked for different robots at once, and must give the
-/// same image for the same arguments.
-template <typename W>
-concept WorldModel = requires(W& world, std::size_t robot, std::uint64_t shot,
-                              std::span<const Configuration> fleet) {
-  { world.capture(robot, shot, fleet) } -> std::same_as<DepthImage>;
-};
-
 /// Models `RobotBody`: it knows the truth, and says it. World and the fleet's true configurations,
 /// in which it keeps its own up to date, must outlive it.
 template <WorldModel World>

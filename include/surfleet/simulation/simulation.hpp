@@ -25,7 +25,7 @@
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/fleet/central_planning.hpp>
-#include <surfleet/fleet/surface_belief.hpp>
+#include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/simulated_drone.hpp>
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/surface_belief.hpp>
+#include <surfleet/planning/plan.hpp>
+#include <surfleet/planning/surface_belief.hpp>
 
 namespace surfleet {
 /// A robot of a team in tests.
@@ -36,7 +36,7 @@ struct StillMission {
   StillMission(TsdfMap map, const FreeSpaceOptions& body, const PinholeCamera& c, const Box3& box)
       : StillMission(std::move(map), kind_of(body, c), box) {}
   StillMission(TsdfMap map, RobotKind kind, const Box3& box)
-      : belief({.voxel_size = map.voxel_size(), .region = box},
+      : belief({.voxel_size = map.voxel_size(), .observed_share = 1.0, .region = box},
                std::span<const RobotKind>(&kind, 1), std::move(map)) {}
   StillMission(const StillMission&) = delete;
   StillMission& operator=(const StillMission&) = delete;

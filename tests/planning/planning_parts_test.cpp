@@ -7,12 +7,12 @@
 #include <vector>
 
 #include <surfleet/core/random.hpp>
-#include <surfleet/fleet/rate_planner.hpp>
-#include <surfleet/fleet/rate_then_tours.hpp>
-#include <surfleet/fleet/tour_planner.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/team_flights.hpp>
+#include <surfleet/planning/rate_planner.hpp>
+#include <surfleet/planning/rate_then_tours.hpp>
+#include <surfleet/planning/tour_planner.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/left_below.hpp>
 #include <surfleet/viewpoint/look_bound.hpp>

@@ -16,7 +16,7 @@
 #include <surfleet/allocation/greedy_allocator.hpp>
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/improve_allocation.hpp>
-#include <surfleet/fleet/plan.hpp>
+#include <surfleet/planning/plan.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
 #include <surfleet/viewpoint/view_access.hpp>

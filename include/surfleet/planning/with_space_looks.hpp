@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/plan.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/planning/plan.hpp>
 #include <surfleet/viewpoint/space_look.hpp>
 
 namespace surfleet {

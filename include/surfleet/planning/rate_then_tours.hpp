@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/plan.hpp>
+#include <surfleet/planning/plan.hpp>
 
 namespace surfleet {
 /// A planner that says what its last plan was good for: `last_rate()` is the worth per metre of its

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/plan.hpp>
+#include <surfleet/planning/plan.hpp>
 #include <surfleet/viewpoint/space_look.hpp>
 
 namespace surfleet {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <surfleet/fleet/tour_ahead.hpp>
+#include <surfleet/planning/tour_ahead.hpp>
 //
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <surfleet/core/random.hpp>
-#include <surfleet/fleet/opening_look.hpp>
-#include <surfleet/fleet/rate_planner.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
+#include <surfleet/planning/opening_look.hpp>
+#include <surfleet/planning/rate_planner.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 
 #include "check.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief The planners that the binaries know by name, and what each of them asks of a mission.
+/// @brief The planners by their names, each behind one type.
+///
+///     AnyPlanner planner = make_planner("tsga", {.standoff = 3.6});
 #pragma once
 
 #include <algorithm>
@@ -8,16 +10,20 @@
 #include <string>
 #include <string_view>
 
+#include <surfleet/core/compiled.hpp>
 #include <surfleet/core/error.hpp>
+#include <surfleet/planning/plan.hpp>
+#include <surfleet/planning/planner_settings.hpp>
 
-namespace surfleet::examples {
+namespace surfleet {
 struct NamedPlanner {
   std::string_view name;
   /// Whether clusters have a greatest extent; the published planners set none.
   bool bounded_clusters = true;
 };
 
-constexpr std::array<NamedPlanner, 9> kPlanners{{
+/// The first is the library's own.
+inline constexpr std::array<NamedPlanner, 9> kPlanners{{
     {.name = "surfleet"},
     {.name = "tsga", .bounded_clusters = false},
     {.name = "nnb", .bounded_clusters = false},
@@ -43,4 +49,12 @@ inline const NamedPlanner& planner_by_name(std::string_view name) {
     throw Error("planner " + std::string(name) + ": not known; expected one of " + planner_list());
   return *it;
 }
-}  // namespace surfleet::examples
+
+/// The planner of this name. Throws `Error` for a name that is not among `kPlanners`.
+SURFLEET_INLINE AnyPlanner make_planner(std::string_view name,
+                                        const PlannerSettings& settings = {});
+}  // namespace surfleet
+
+#ifndef SURFLEET_COMPILED
+#include <surfleet/planning/detail/make_planner.hpp>
+#endif

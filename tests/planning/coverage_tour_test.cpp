@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <surfleet/fleet/coverage_tour.hpp>
+#include <surfleet/planning/coverage_tour.hpp>
 
 #include "box_world.hpp"
 #include "check.hpp"

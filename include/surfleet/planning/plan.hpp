@@ -16,7 +16,7 @@
 #include <vector>
 
 #include <surfleet/core/error.hpp>
-#include <surfleet/fleet/surface_belief.hpp>
+#include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/viewpoint/left_reason.hpp>
 
 namespace surfleet {
@@ -32,11 +32,11 @@ using Stops = std::vector<Stop>;
 struct RobotState {
   RobotId id = 0;
   RobotKindId kind = 0;
-  Configuration at;           ///< Where it is, or will be when it can follow a new route.
-  std::vector<Point3> ahead;  ///< The path it is on, from where it is.
-  Stops route;                ///< What it still has to do.
-  bool idle = true;           ///< It has nothing to do.
-  double age = 0.0;           ///< Of this news [s].
+  Configuration at;             ///< Where it is, or will be when it can follow a new route.
+  std::vector<Point3> ahead{};  ///< The path it is on, from where it is.
+  Stops route{};                ///< What it still has to do.
+  bool idle = true;             ///< It has nothing to do.
+  double age = 0.0;             ///< Of this news [s].
 };
 
 /// Everything a planner may look at: a value, whose views last for the call.

@@ -14,12 +14,12 @@
 #include <vector>
 
 #include <surfleet/core/error.hpp>
-#include <surfleet/fleet/robot_kind.hpp>
 #include <surfleet/mapping/surface_mesh.hpp>
 #include <surfleet/mapping/tsdf_integrator.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/planning/robot_kind.hpp>
 #include <surfleet/viewpoint/coverage_estimate.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
 #include <surfleet/viewpoint/look_ledger.hpp>
@@ -31,8 +31,8 @@ struct SurfaceBeliefOptions {
   double voxel_size = 0.3;       ///< [m]
   double known_weight = 0.3;     ///< W_th: a voxel of at least this weight is known.
   double observed_share = 0.15;  ///< Share of W_th from which a voxel serves flight and sight.
-  TsdfOptions tsdf;              ///< A truncation of 0 stands for three voxels.
-  LookLedgerOptions looks;       ///< When an element is given up.
+  TsdfOptions tsdf{};            ///< A truncation of 0 stands for three voxels.
+  LookLedgerOptions looks{};     ///< When an element is given up.
   Box3 region;                   ///< Where surface is to be reconstructed [m].
   std::uint64_t seed = 1;        ///< Of the roadmaps.
 };

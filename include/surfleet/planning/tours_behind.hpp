@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/plan.hpp>
+#include <surfleet/planning/plan.hpp>
 
 namespace surfleet {
 /// A planner that advances first and says when it has come to touring what is left, and by which

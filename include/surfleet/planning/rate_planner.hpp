@@ -15,14 +15,14 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/fleet/opening_look.hpp>
-#include <surfleet/fleet/plan.hpp>
-#include <surfleet/fleet/tour_ahead.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
 #include <surfleet/motion/taut_path.hpp>
 #include <surfleet/motion/team_flights.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
+#include <surfleet/planning/opening_look.hpp>
+#include <surfleet/planning/plan.hpp>
+#include <surfleet/planning/tour_ahead.hpp>
 #include <surfleet/viewpoint/left_below.hpp>
 #include <surfleet/viewpoint/look_bound.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>

@@ -2,8 +2,8 @@
 /// @file
 /// @brief What one drone's plan is made of: lattices searched, views counted, a tour ahead.
 #include <surfleet/core/random.hpp>
-#include <surfleet/fleet/tour_ahead.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
+#include <surfleet/planning/tour_ahead.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 #include <benchmark/benchmark.h>

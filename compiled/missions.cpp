@@ -1,0 +1,2 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/simulation/detail/fly_mission.hpp>

@@ -1,0 +1,2 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/planning/detail/make_planner.hpp>

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Everything of the planning room: what is believed, what a planner is asked, and planners.
+#pragma once
+
+#include <surfleet/planning/fwd.hpp>
+
+#include <surfleet/planning/coverage_tour.hpp>
+#include <surfleet/planning/default_planner.hpp>
+#include <surfleet/planning/named_planners.hpp>
+#include <surfleet/planning/opening_look.hpp>
+#include <surfleet/planning/plan.hpp>
+#include <surfleet/planning/planner_settings.hpp>
+#include <surfleet/planning/presets.hpp>
+#include <surfleet/planning/rate_planner.hpp>
+#include <surfleet/planning/rate_then_tours.hpp>
+#include <surfleet/planning/robot_kind.hpp>
+#include <surfleet/planning/surface_belief.hpp>
+#include <surfleet/planning/tour_ahead.hpp>
+#include <surfleet/planning/tour_planner.hpp>
+#include <surfleet/planning/tours_behind.hpp>
+#include <surfleet/planning/with_space_looks.hpp>

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief What the robots of a simulation see.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <surfleet/core/types.hpp>
+#include <surfleet/geometry/pinhole_camera.hpp>
+
+namespace surfleet {
+/// What cameras see: a simulator, or the world itself.
+///
+/// `capture(robot, shot, fleet)` is the depth image that robot takes as its shot-th, with all
+/// robots at the given configurations. It is asked for different robots at once, and must give the
+/// same image for the same arguments. Models: `DroneWorld`, `AnyWorld`.
+template <typename W>
+concept WorldModel = requires(W& world, std::size_t robot, std::uint64_t shot,
+                              std::span<const Configuration> fleet) {
+  { world.capture(robot, shot, fleet) } -> std::same_as<DepthImage>;
+};
+}  // namespace surfleet
