@@ -12,4 +12,5 @@
 #include <surfleet/mapping.hpp>
 #include <surfleet/motion.hpp>
 #include <surfleet/simulation.hpp>
+#include <surfleet/surface.hpp>
 #include <surfleet/viewpoint.hpp>

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Declarations of the surface room, for headers that only name its types.
+#pragma once
+
+namespace surfleet {
+class GeodesicStrips;
+struct StripCosts;
+struct StripPath;
+class StripSearch;
+struct SurfacePath;
+struct SurfacePoint;
+struct SurfacePose;
+struct SurfaceStep;
+class SurfaceWalk;
+class TautStrips;
+struct UnfoldedStrip;
+}  // namespace surfleet
