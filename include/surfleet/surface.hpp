@@ -5,7 +5,9 @@
 
 #include <surfleet/surface/fwd.hpp>
 
+#include <surfleet/surface/follow_field.hpp>
 #include <surfleet/surface/geodesic_strip.hpp>
+#include <surfleet/surface/strip_field.hpp>
 #include <surfleet/surface/strip_search.hpp>
 #include <surfleet/surface/surface_point.hpp>
 #include <surfleet/surface/surface_walk.hpp>

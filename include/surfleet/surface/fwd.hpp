@@ -4,9 +4,13 @@
 #pragma once
 
 namespace surfleet {
+class ContinuousField;
+struct FieldDrive;
 class GeodesicStrips;
+class PerpendicularField;
 struct StripCosts;
 struct StripPath;
+class StripPlace;
 class StripSearch;
 struct SurfacePath;
 struct SurfacePoint;

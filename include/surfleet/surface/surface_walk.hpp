@@ -56,8 +56,9 @@ class SurfaceWalk {
   }
 
   /// Takes `pose` straight along `ahead` = (forward, left) [m]. The heading keeps its angle to the
-  /// line.
-  SurfaceStep operator()(const SurfacePose& pose, const Eigen::Vector2d& ahead) const {
+  /// line. The step ends early where it has entered `most` triangles.
+  SurfaceStep operator()(const SurfacePose& pose, const Eigen::Vector2d& ahead,
+                         std::size_t most = std::numeric_limits<std::size_t>::max()) const {
     SurfaceStep step;
     step.pose = pose;
     double left_over = ahead.norm();
@@ -105,6 +106,7 @@ class SurfaceWalk {
       entry = (in + 2) % 3;
       step.entered.push_back(at.at.triangle);
       step.crossings.push_back(at.at.position(*mesh_));
+      if (step.entered.size() == most) break;
     }
     // The heading keeps its angle to the line.
     const Eigen::Vector3d beside = at.up.cross(line);
