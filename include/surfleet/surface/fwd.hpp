@@ -6,8 +6,11 @@
 namespace surfleet {
 class ContinuousField;
 struct FieldDrive;
+struct FrontDriveBicycle;
 class GeodesicStrips;
 class PerpendicularField;
+struct RearDriveBicycle;
+class SplineReference;
 struct StripCosts;
 struct StripPath;
 class StripPlace;
@@ -18,5 +21,9 @@ struct SurfacePose;
 struct SurfaceStep;
 class SurfaceWalk;
 class TautStrips;
+struct TrackedDrive;
+struct TrackingControl;
 struct UnfoldedStrip;
+struct Unicycle;
+class UnwrappedPath;
 }  // namespace surfleet
