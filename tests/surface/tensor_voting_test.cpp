@@ -127,6 +127,18 @@ TEST(normals_of_a_noisy_tube) {
   }
 }
 
+// A point off the border of a plate is led back to the plate, not tilted by where the others lie.
+TEST(a_stray_point_returns_to_its_sheet) {
+  Random random(6);
+  std::vector<Point3> points;
+  for (int i = 0; i < 1500; ++i)
+    points.push_back({random.uniform(0, 0.4), random.uniform(-0.2, 0.2), 0});
+  points.push_back({0.0, 0.0, 0.03});
+  const Token token = SheetTokens{.rounds = 1}(points).back();
+  CHECK(line_angle(token.normal, Eigen::Vector3d::UnitZ()) < 1.0);
+  CHECK_NEAR(token.position.z(), 0.0, 2e-3);
+}
+
 // A right-angled fold: tokens near the crease are told apart by their share of plate.
 TEST(a_fold_is_an_edge) {
   Random random(2);
