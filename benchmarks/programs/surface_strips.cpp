@@ -42,6 +42,17 @@ Mesh converted(const TriangleMesh& mesh) {
   for (const Triangle& t : mesh.triangles) out.add_face(id(t[0]), id(t[1]), id(t[2]));
   return out;
 }
+/// A point as CGAL names it: weights from the source of its face's half-edge on.
+Exact::Face_location location(const Mesh& other, const TriangleMesh& mesh, const SurfacePoint& at) {
+  const Mesh::Face_index face(static_cast<unsigned>(at.triangle));
+  const Mesh::Vertex_index first = other.source(other.halfedge(face));
+  Eigen::Index k = 0;
+  while (Mesh::Vertex_index(static_cast<unsigned>(
+             mesh.triangles[static_cast<std::size_t>(at.triangle)][static_cast<std::size_t>(k)])) !=
+         first)
+    ++k;
+  return {face, {at.weights[k], at.weights[(k + 1) % 3], at.weights[(k + 2) % 3]}};
+}
 SurfacePoint random_point(const TriangleMesh& mesh, Random& random) {
   Eigen::Vector3d w(random.uniform(0.02, 1), random.uniform(0.02, 1), random.uniform(0.02, 1));
   return {static_cast<std::int32_t>(random.below(mesh.triangles.size())), w / w.sum()};
@@ -71,11 +82,7 @@ void measure(const char* name, const TriangleMesh& mesh, std::uint64_t first, in
     Random random(first + static_cast<std::uint64_t>(seed));
     const SurfacePoint start = random_point(mesh, random);
     Exact solver(other);
-    if (exact) {
-      const auto& w = start.weights;
-      solver.add_source_point(Mesh::Face_index(static_cast<unsigned>(start.triangle)),
-                              {w[0], w[1], w[2]});
-    }
+    if (exact) solver.add_source_point(location(other, mesh, start));
     for (int k = 0; k < pairs; ++k) {
       const SurfacePoint goal = random_point(mesh, random);
       const double begin = seconds();
@@ -87,12 +94,8 @@ void measure(const char* name, const TriangleMesh& mesh, std::uint64_t first, in
       }
       const double length = path->length();
       if (exact) {
-        const auto& w = goal.weights;
-        const double best =
-            solver
-                .shortest_distance_to_source_points(
-                    Mesh::Face_index(static_cast<unsigned>(goal.triangle)), {w[0], w[1], w[2]})
-                .first;
+        const auto at = location(other, mesh, goal);
+        const double best = solver.shortest_distance_to_source_points(at.first, at.second).first;
         if (best > 0.0) ratio.add(length / best);
       }
       const StripField<> field(mesh, path->triangles, path->goal);
@@ -134,6 +137,7 @@ void measure(const char* name, const TriangleMesh& mesh, std::uint64_t first, in
       ", \"drives\": %zu, \"left_strip\": %zu, \"unreached\": %zu, \"shared_share\": %.4f}", drives,
       left, unreached,
       static_cast<double>(shared) / static_cast<double>(std::max<std::size_t>(1, shared + breaks)));
+  std::fflush(stdout);
 }
 }  // namespace
 

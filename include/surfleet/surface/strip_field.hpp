@@ -62,7 +62,8 @@ class ContinuousField {
   double margin = 0.15;
 
   void prepare(const TriangleMesh& mesh, const UnfoldedStrip& strip, const Point2& goal) {
-    vectors_.assign(strip.size(), {});
+    const Point2 none = Point2::Zero();
+    vectors_.assign(strip.size(), {none, none, none});
     height_.clear();
     for (const auto& c : strip.corners) height_.push_back(detail::least_height(c));
     breaks_ = shared_ = 0;
