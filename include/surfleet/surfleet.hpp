@@ -13,4 +13,5 @@
 #include <surfleet/motion.hpp>
 #include <surfleet/planning.hpp>
 #include <surfleet/simulation.hpp>
+#include <surfleet/surface.hpp>
 #include <surfleet/viewpoint.hpp>

@@ -19,6 +19,18 @@ awk -v s="$(value surface swept_fraction)" -v c="$(value surface final_cost)" \
   'BEGIN { if (s < 1 || c > i) { print "swept", s, "cost", i, "to", c; exit 1 } }'
 [ "$(value surface regions_connected)" = true ]
 
+"$bin/surface_navigation" --quiet --out drive >drive.txt
+[ -s drive/path.tum ] && [ -s drive/driven.tum ] && [ -s drive/strip.ply ] && [ -s drive/report.html ]
+[ "$(value drive reached_goal)" = true ] && [ "$(value drive left_strip)" = 0 ]
+awk -v r="$(value drive driven_ratio)" 'BEGIN { exit !(r > 0.98 && r < 1.1) }'
+# A wall of blocked triangles about the start is said to be one.
+printf 'ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n' >two.ply
+echo 1 >walls.txt
+status=0
+"$bin/surface_navigation" --quiet --scene two.ply --start 0.9 0.1 0 --goal 0.1 0.9 0 \
+  --blocked walls.txt --out wall >wall.txt || status=$?
+[ "$status" = 3 ] && grep -q 'blocked' wall/metrics.json
+
 printf 'NAME: five\nTYPE: TSP\nDIMENSION: 5\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 0 3\n3 4 3\n4 4 0\n5 2 0\nEOF\n' >five.tsp
 "$bin/solve_tour" five.tsp >tour.txt
 grep -qE '^length +14$' tour.txt

@@ -36,6 +36,7 @@ for file in missing.ply truncated.ply faceless.off nan.obj range.obj garbage.stl
   refused plan_coverage_tour "$file" --out out
   refused evaluate_reconstruction "$file" "$file" --out out
   refused surface_coverage --scene "$file" --out out
+  refused surface_navigation --scene "$file" --out out
 done
 refused drone_inspection --scene house --start 0 0 1 --out out
 refused drone_inspection --scene house --robots 0 --out out
@@ -132,5 +133,11 @@ for file in missing.json bow_tie.json hole_outside.json garbage.stl; do
 done
 refused planar_coverage --robots 0 --out out
 refused surface_coverage --robots 0 --out out
+refused surface_navigation --goal 0 0 9 --out out
+refused surface_navigation --goal 0 0 --out out
+refused surface_navigation --start nan 0 0 --out out
+refused surface_navigation --slope 1 --out out
+refused surface_navigation --blocked nowhere.txt --out out
+refused surface_navigation --cover --robot magnebike --out out
 refused surface_coverage --scene sphere --robots 100000000 --out out
 exit $failed

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// requires: cgal
+// Triangle strips over meshes: taut paths against CGAL's exact geodesics, fields followed from many
+// starts, and a tracked robot with a noisy pose. Prints JSON.
+//
+//   surface_strips [--seeds 20] [--first-seed 101] [--pairs 50]
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/Surface_mesh_shortest_path.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <surfleet/core/random.hpp>
+#include <surfleet/coverage/covering_strip.hpp>
+#include <surfleet/geometry/clean_surface.hpp>
+#include <surfleet/geometry/mesh_primitives.hpp>
+#include <surfleet/simulation/steam_chest.hpp>
+#include <surfleet/simulation/surfaces.hpp>
+#include <surfleet/surface/drive_path.hpp>
+#include <surfleet/surface/geodesic_strip.hpp>
+
+namespace {
+using namespace surfleet;
+using Kernel = CGAL::Simple_cartesian<double>;
+using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using Traits = CGAL::Surface_mesh_shortest_path_traits<Kernel, Mesh>;
+using Exact = CGAL::Surface_mesh_shortest_path<Traits>;
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+Mesh converted(const TriangleMesh& mesh) {
+  Mesh out;
+  for (const Point3& p : mesh.vertices) out.add_vertex({p.x(), p.y(), p.z()});
+  const auto id = [](std::int32_t v) { return Mesh::Vertex_index(static_cast<unsigned>(v)); };
+  for (const Triangle& t : mesh.triangles) out.add_face(id(t[0]), id(t[1]), id(t[2]));
+  return out;
+}
+/// A point as CGAL names it: weights from the source of its face's half-edge on.
+Exact::Face_location location(const Mesh& other, const TriangleMesh& mesh, const SurfacePoint& at) {
+  const Mesh::Face_index face(static_cast<unsigned>(at.triangle));
+  const Mesh::Vertex_index first = other.source(other.halfedge(face));
+  Eigen::Index k = 0;
+  while (Mesh::Vertex_index(static_cast<unsigned>(
+             mesh.triangles[static_cast<std::size_t>(at.triangle)][static_cast<std::size_t>(k)])) !=
+         first)
+    ++k;
+  return {face, {at.weights[k], at.weights[(k + 1) % 3], at.weights[(k + 2) % 3]}};
+}
+SurfacePoint random_point(const TriangleMesh& mesh, Random& random) {
+  Eigen::Vector3d w(random.uniform(0.02, 1), random.uniform(0.02, 1), random.uniform(0.02, 1));
+  return {static_cast<std::int32_t>(random.below(mesh.triangles.size())), w / w.sum()};
+}
+struct Figures {
+  std::vector<double> values;
+  void add(double v) { values.push_back(v); }
+  void print(const char* name) {
+    std::sort(values.begin(), values.end());
+    double sum = 0.0;
+    for (const double v : values) sum += v;
+    const auto n = values.size();
+    if (n == 0) return;
+    std::printf(", \"%s\": {\"mean\": %.5g, \"p95\": %.5g, \"worst\": %.5g}", name,
+                sum / static_cast<double>(n), values[std::min(n - 1, n * 95 / 100)], values[n - 1]);
+  }
+};
+
+void measure(const char* name, const TriangleMesh& mesh, std::uint64_t first, int seeds, int pairs,
+             bool exact) {
+  const SurfaceWalk walk(mesh);
+  const GeodesicStrips strips(walk);
+  const Mesh other = exact ? converted(mesh) : Mesh();
+  Figures ratio, query, field_ratio, squarely_ratio, rms, worst;
+  std::size_t shared = 0, breaks = 0, left = 0, unreached = 0, drives = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    Random random(first + static_cast<std::uint64_t>(seed));
+    const SurfacePoint start = random_point(mesh, random);
+    Exact solver(other);
+    if (exact) solver.add_source_point(location(other, mesh, start));
+    for (int k = 0; k < pairs; ++k) {
+      const SurfacePoint goal = random_point(mesh, random);
+      const double begin = seconds();
+      const auto path = strips(start, goal);
+      query.add(1000.0 * (seconds() - begin));
+      if (!path) {
+        ++unreached;
+        continue;
+      }
+      const double length = path->length();
+      if (exact) {
+        const auto at = location(other, mesh, goal);
+        const double best = solver.shortest_distance_to_source_points(at.first, at.second).first;
+        if (best > 0.0) ratio.add(length / best);
+      }
+      const StripField<> field(mesh, path->triangles, path->goal);
+      const FieldDrive drive = follow_field(walk, field, path->start);
+      shared += field.field.shared();
+      breaks += field.field.breaks();
+      left += drive.left_strip;
+      unreached += drive.reached ? 0U : 1U;
+      ++drives;
+      const StripField<PerpendicularField> square(mesh, path->triangles, path->goal);
+      const FieldDrive climbed = follow_field(walk, square, path->start);
+      left += climbed.left_strip;
+      unreached += climbed.reached ? 0U : 1U;
+      ++drives;
+      if (length > 0.2) {
+        field_ratio.add(drive.length / length);
+        squarely_ratio.add(climbed.length / length);
+      }
+      if (k % 10 != 0 || length < 0.2) continue;
+      TrackOptions options;
+      options.position_noise = 0.01;
+      options.heading_noise = radians(1.0);
+      options.seed = first + static_cast<std::uint64_t>(seed * pairs + k);
+      const TrackedDrive tracked =
+          track_path(walk, *path, FrontDriveBicycle{},
+                     surface_pose(mesh, path->start, path->points[1] - path->points[0]), options);
+      rms.add(100.0 * tracked.rms);
+      worst.add(100.0 * tracked.worst);
+    }
+  }
+  std::printf("{\"surface\": \"%s\", \"vertices\": %zu", name, mesh.vertices.size());
+  ratio.print("taut_over_exact");
+  query.print("query_ms");
+  field_ratio.print("field_over_taut");
+  squarely_ratio.print("perpendicular_over_taut");
+  rms.print("tracking_rms_cm");
+  worst.print("tracking_worst_cm");
+  std::printf(
+      ", \"drives\": %zu, \"left_strip\": %zu, \"unreached\": %zu, \"shared_share\": %.4f}", drives,
+      left, unreached,
+      static_cast<double>(shared) / static_cast<double>(std::max<std::size_t>(1, shared + breaks)));
+  std::fflush(stdout);
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  int seeds = 20, pairs = 50;
+  std::uint64_t first = 101;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string option = argv[i];
+    if (option == "--seeds") seeds = std::atoi(argv[i + 1]);
+    if (option == "--pairs") pairs = std::atoi(argv[i + 1]);
+    if (option == "--first-seed") first = std::strtoull(argv[i + 1], nullptr, 10);
+  }
+  std::printf("[");
+  measure("bumpy slope, 50 mm", bumpy_slope({.edge = 0.05}), first, seeds, pairs, true);
+  std::printf(",\n");
+  measure("bumpy slope, 10 mm", bumpy_slope({.edge = 0.01}), first, seeds, pairs, true);
+  std::printf(",\n");
+  measure("torus", make_torus(Point3::Zero(), 1.0, 0.4, 96, 38), first, seeds, pairs, true);
+  std::printf(",\n");
+  measure("steam chest, 40 mm", clean_surface(steam_chest(0.04)), first, seeds, pairs, true);
+  std::printf(",\n");
+  measure("steam chest, 20 mm", clean_surface(steam_chest(0.02)), first, seeds, pairs, false);
+  std::printf("]\n");
+}

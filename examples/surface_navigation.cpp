@@ -1,0 +1,476 @@
+// SPDX-License-Identifier: MIT
+// A robot drives over a curved surface from a start to one goal after the other.
+//
+//   surface_navigation                                        over the bumpy slope
+//   surface_navigation --scene steam_chest --goal 4.9 0.2 0 2.6 0.95 0.1 --robot magnebike
+//   surface_navigation --scene tank.ply --start 0 0 1 --goal 2 0 1 --field perpendicular
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <surfleet/adapters/png_writer.hpp>
+#include <surfleet/coverage/covering_strip.hpp>
+#include <surfleet/evaluation/rasterizer.hpp>
+#include <surfleet/evaluation/report.hpp>
+#include <surfleet/evaluation/trajectory_io.hpp>
+#include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/clean_surface.hpp>
+#include <surfleet/geometry/mesh_io.hpp>
+#include <surfleet/geometry/mesh_primitives.hpp>
+#include <surfleet/simulation/steam_chest.hpp>
+#include <surfleet/simulation/surfaces.hpp>
+#include <surfleet/surface/drive_path.hpp>
+#include <surfleet/surface/geodesic_strip.hpp>
+#include <surfleet/surface/strip_search.hpp>
+
+#include "support/cli.hpp"
+#include "support/peak_memory.hpp"
+#include "support/stopwatch.hpp"
+
+namespace {
+using namespace surfleet;
+
+struct Settings {
+  std::string scene = "bumpy_slope", out = "out/surface_navigation", search = "geodesic",
+              field = "continuous", robot = "point", blocked;
+  double edge = 0.0, curvature = 0.0, turn = 0.0, slope = 0.0, speed = 0.05, ahead = 0.02;
+  std::vector<double> start, goal, noise{0.0, 0.0};
+  double off_surface = 0.1;
+  std::uint64_t seed = 1;
+  bool cover = false, quiet = false;
+};
+
+Settings settings(int argc, char** argv) {
+  Settings s;
+  cli::Options app(
+      "A robot drives over a curved surface from a start to one goal after the other: a strip of "
+      "triangles, a taut path in it, a vector field or a tracked reference.\nWrites metrics.json, "
+      "surface.ply, strip.ply, path.tum, driven.tum, a picture and report.html to --out.\n"
+      "Exit status: 0 done, 2 input refused, 3 a goal was not reached.");
+  app.add("--scene", s.scene,
+          "bumpy_slope, torus, steam_chest, or a mesh file (.ply .obj .stl .off)");
+  app.add("--edge", s.edge, "edge length of a bundled scene [m]; 0: its own default");
+  app.add("--start", s.start, "X Y Z [m], on the nearest triangle; else one end of the scene");
+  app.add("--goal", s.goal, "X Y Z [m] of each goal, in order; else the other end");
+  app.add("--off-surface", s.off_surface, "how far start and goals may lie off the surface [m]");
+  app.add("--search", s.search,
+          "geodesic: the triangles under a shortest path; dual: A* from centroid to centroid; "
+          "midpoints: from edge to edge")
+      .one_of({"geodesic", "dual", "midpoints"});
+  app.add("--curvature", s.curvature, "weight of bends over edges [m] (dual, midpoints)")
+      .zero_or_more();
+  app.add("--turn", s.turn, "weight of turns [m] (dual, midpoints)").zero_or_more();
+  app.add("--slope", s.slope, "weight of steepness (dual, midpoints)").zero_or_more();
+  app.add("--blocked", s.blocked, "file of triangle numbers that may not be entered");
+  app.add("--field", s.field, "continuous (eq. 7.1) or perpendicular to every edge crossed")
+      .one_of({"continuous", "perpendicular"});
+  app.add("--robot", s.robot,
+          "point or epuck follow the field, magnebike tracks the path by eq. 8.6")
+      .one_of({"point", "epuck", "magnebike"});
+  app.add("--speed", s.speed, "of the robot [m/s]").positive();
+  app.add("--ahead", s.ahead, "of the epuck's reference point before its axle [m]").positive();
+  app.add("--noise", s.noise, "on the magnebike's pose: position [m] and heading [deg]")
+      .expected(2);
+  app.add("--seed", s.seed, "of the noise");
+  app.add_flag("--cover", s.cover, "drive a strip that covers the surface, from the start");
+  app.add("--out", s.out, "folder for the results");
+  app.add_flag("--quiet", s.quiet, "no progress line");
+  app.add_config_file();
+  app.parse(argc, argv);
+  require(s.edge >= 0.0 && std::isfinite(s.edge), "--edge: expected 0 or more metres");
+  require(s.start.empty() || s.start.size() == 3, "--start: expected three numbers");
+  require(s.goal.size() % 3 == 0, "--goal: expected three numbers for each goal");
+  require(!s.cover || s.goal.empty(), "--cover: expected no --goal with it");
+  require(!s.cover || s.robot != "magnebike", "--cover: expected --robot point or epuck");
+  require(s.noise[0] >= 0.0 && s.noise[1] >= 0.0, "--noise: expected 0 or more");
+  const bool weighted = s.curvature > 0.0 || s.turn > 0.0 || s.slope > 0.0;
+  require(!weighted || s.search != "geodesic",
+          "--curvature, --turn, --slope: expected --search dual or midpoints with them");
+  return s;
+}
+
+TriangleMesh scene(const Settings& s) {
+  const auto edge = [&](double otherwise) { return s.edge > 0.0 ? s.edge : otherwise; };
+  if (s.scene == "bumpy_slope") return bumpy_slope({.edge = edge(0.05)});
+  if (s.scene == "steam_chest") return steam_chest(edge(0.04));
+  if (s.scene == "torus") {
+    require(edge(0.065) > 0.004, "--edge: expected more than 4 mm on the torus");
+    return make_torus(Point3::Zero(), 1.0, 0.4,
+                      std::max(3, static_cast<int>(std::lround(2.0 * kPi / edge(0.065)))),
+                      std::max(3, static_cast<int>(std::lround(0.8 * kPi / edge(0.065)))));
+  }
+  return read_mesh(s.scene);
+}
+
+/// 0 or infinite for every triangle; empty where no file is given.
+std::vector<double> blocked_triangles(const Settings& s, const TriangleMesh& mesh) {
+  if (s.blocked.empty()) return {};
+  std::ifstream file(s.blocked);
+  require(file.good(), "--blocked: " + s.blocked + " cannot be read");
+  std::vector<double> cost(mesh.triangles.size(), 0.0);
+  std::string word;
+  while (file >> word) {
+    const auto t = parse_number<long>(word);
+    require(t && *t >= 0 && static_cast<std::size_t>(*t) < cost.size(),
+            "--blocked: \"" + word + "\"; expected numbers of triangles, 0 to " +
+                std::to_string(cost.size() - 1));
+    cost[static_cast<std::size_t>(*t)] = std::numeric_limits<double>::infinity();
+  }
+  return cost;
+}
+
+/// One goal: how it was planned for and driven to.
+struct Leg {
+  std::optional<SurfacePath> path;
+  std::string reason;  ///< Why it was not reached; empty if it was.
+  double planned = 0.0, driven = 0.0, graph = 0.0;
+  std::size_t breaks = 0, shared = 0, left = 0;
+};
+
+struct Journey {
+  std::vector<Leg> legs;
+  std::vector<StampedPose> path, driven;
+  std::vector<std::int32_t> strip;
+  std::vector<double> errors;  ///< Of tracking [m].
+  double planning = 0.0;       ///< [s]
+  std::size_t covered = 0;     ///< Triangles entered.
+};
+
+class Navigation {
+ public:
+  Navigation(const Settings& s, const TriangleMesh& mesh)
+      : s_(s), walk_(mesh), geodesic_(walk_), search_(mesh, costs(mesh), nodes()) {}
+
+  const SurfaceWalk& walk() const { return walk_; }
+
+  /// A strip and its taut path.
+  Leg plan(const SurfacePoint& start, const SurfacePoint& goal) const {
+    Leg leg;
+    if (search_.blocked(start.triangle) || search_.blocked(goal.triangle)) {
+      leg.reason = search_.blocked(goal.triangle) ? "the goal lies in a blocked triangle"
+                                                  : "the robot stands in a blocked triangle";
+      return leg;
+    }
+    const bool free = search_.costs().user.empty();
+    std::optional<std::vector<std::int32_t>> strip;
+    if (s_.search == "geodesic") strip = geodesic_.triangles(start, goal);
+    const auto crosses = [&](const std::vector<std::int32_t>& triangles) {
+      return std::any_of(triangles.begin(), triangles.end(),
+                         [&](std::int32_t t) { return search_.blocked(t); });
+    };
+    if (!strip || (!free && crosses(*strip))) {
+      const auto found = search_(start, goal);
+      if (!found) {
+        leg.reason = "no strip of free triangles leads to it";
+        return leg;
+      }
+      strip = found->triangles;
+      leg.graph = found->cost;
+    }
+    // A strip that was chosen for its cost is kept.
+    const bool weighted = s_.curvature > 0.0 || s_.turn > 0.0 || s_.slope > 0.0;
+    leg.path = weighted ? geodesic_.taut().within(*strip, start, goal)
+                        : geodesic_.taut().shortened(*strip, start, goal, [&](std::int32_t t) {
+                            return !search_.blocked(t);
+                          });
+    leg.planned = leg.path->length();
+    return leg;
+  }
+
+  /// Drives from `pose`, which it takes along, and adds to the records.
+  void drive(Leg& leg, SurfacePose& pose, Journey& journey) const {
+    if (s_.robot == "magnebike")
+      track(leg, pose, journey);
+    else if (s_.field == "continuous")
+      follow<ContinuousField>(leg, pose, journey);
+    else
+      follow<PerpendicularField>(leg, pose, journey);
+  }
+
+  void stamp(std::vector<StampedPose>& record, const SurfacePose& pose) const {
+    StampedPose stamped;
+    stamped.T_world_body = pose.T_world_body(walk_.mesh());
+    if (!record.empty())
+      stamped.time =
+          record.back().time +
+          (stamped.T_world_body.translation() - record.back().T_world_body.translation()).norm() /
+              s_.speed;
+    record.push_back(stamped);
+  }
+
+ private:
+  StripCosts costs(const TriangleMesh& mesh) const {
+    return {s_.curvature, s_.turn, s_.slope, blocked_triangles(s_, mesh)};
+  }
+  StripNodes nodes() const {
+    return s_.search == "midpoints" ? StripNodes::edge_midpoints : StripNodes::centroids;
+  }
+
+  template <typename Policy>
+  void follow(Leg& leg, SurfacePose& pose, Journey& journey) const {
+    const StripField<Policy> field(walk_.mesh(), leg.path->triangles, leg.path->goal);
+    leg.breaks += field.field.breaks();
+    if constexpr (std::same_as<Policy, ContinuousField>) leg.shared += field.field.shared();
+    FieldDrive drive;
+    if (s_.robot == "point") {
+      drive = follow_field(walk_, field, leg.path->start);
+    } else {  // the point ahead is to start where the strip does
+      pose = surface_pose(walk_.mesh(), leg.path->start, pose.forward);
+      pose = walk_(pose, {-s_.ahead, 0.0}).pose;
+      drive = drive_field(walk_, field, Unicycle{}, pose, s_.ahead, s_.speed, 0.02, 2e-3);
+    }
+    leg.left += drive.left_strip;
+    leg.driven += drive.length;
+    if (!drive.reached) leg.reason = "the drive ended before it";
+    pose = drive.poses.back();
+    for (const SurfacePose& p : drive.poses) stamp(journey.driven, p);
+    for (const std::int32_t t : drive.entered) journey.strip.push_back(t);
+  }
+  void track(Leg& leg, SurfacePose& pose, Journey& journey) const {
+    if (leg.planned < 1e-9) return;
+    TrackOptions options;
+    options.speed = s_.speed;
+    options.position_noise = s_.noise[0];
+    options.heading_noise = radians(s_.noise[1]);
+    options.seed = s_.seed + journey.legs.size();
+    pose = surface_pose(walk_.mesh(), leg.path->start, leg.path->points[1] - leg.path->points[0]);
+    const TrackedDrive drive = track_path(walk_, *leg.path, FrontDriveBicycle{}, pose, options);
+    for (std::size_t k = 0; k < drive.poses.size(); ++k) {
+      if (k > 0)
+        leg.driven += (drive.poses[k].at.position(walk_.mesh()) -
+                       drive.poses[k - 1].at.position(walk_.mesh()))
+                          .norm();
+      stamp(journey.driven, drive.poses[k]);
+    }
+    journey.errors.insert(journey.errors.end(), drive.error.begin(), drive.error.end());
+    pose = drive.poses.back();
+    if (drive.end_error > 0.05) leg.reason = "the robot ended more than 5 cm from it";
+  }
+
+  const Settings& s_;
+  SurfaceWalk walk_;
+  GeodesicStrips geodesic_;
+  StripSearch search_;
+};
+
+int run(int argc, char** argv) {
+  const auto begin = examples::Clock::now();
+  const Settings s = settings(argc, argv);
+  SurfaceDefects defects;
+  const TriangleMesh mesh = clean_surface(scene(s), &defects);
+  require(s.blocked.empty() || defects.removed_triangles == 0,
+          "--blocked: the mesh has triangles without area or said twice, so numbers would not "
+          "match; expected a clean mesh");
+  const Bvh bvh(mesh);
+  const auto place = [&](const Point3& p, const char* what) {
+    require(p.allFinite(), std::string(what) + ": expected finite numbers");
+    const auto at = nearest_surface_point(mesh, bvh, p);
+    const double off = (at->position(mesh) - p).norm();
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "%s: %.3f m off the surface; expected %.3f m at most (--off-surface)", what, off,
+                  s.off_surface);
+    require(off <= s.off_surface, text);
+    return *at;
+  };
+  // The ends of the longest side.
+  const Box3 box = mesh.bounds();
+  const auto end = [&](double share) {
+    const auto at = nearest_surface_point(mesh, bvh, box.center() + (share - 0.5) * box.sizes());
+    return *at;
+  };
+  const SurfacePoint start =
+      s.start.empty() ? end(0.1) : place({s.start[0], s.start[1], s.start[2]}, "--start");
+  std::vector<SurfacePoint> goals;
+  for (std::size_t k = 0; k + 2 < s.goal.size(); k += 3)
+    goals.push_back(place({s.goal[k], s.goal[k + 1], s.goal[k + 2]}, "--goal"));
+  if (goals.empty() && !s.cover) goals.push_back(end(0.9));
+
+  cli::ProgressLine line(!s.quiet);
+  line("preparing the surface");
+  const Navigation navigation(s, mesh);
+  const auto out = cli::prepare_output_folder(s.out);
+  cli::watch_interrupts();
+
+  Journey journey;
+  const double prepared = examples::seconds_since(begin);
+  SurfacePose pose = surface_pose(mesh, start, Eigen::Vector3d::UnitX());
+  std::vector<std::int32_t> planned_strip;
+  const auto add_leg = [&](Leg leg) {
+    if (leg.path) {
+      planned_strip.insert(planned_strip.end(), leg.path->triangles.begin(),
+                           leg.path->triangles.end());
+      for (std::size_t i = 0; i < leg.path->points.size(); ++i) {
+        const auto t = leg.path->triangles[std::min(i, leg.path->triangles.size() - 1)];
+        const Point3 ahead = leg.path->points[std::min(i + 1, leg.path->points.size() - 1)];
+        SurfacePose p = surface_pose(mesh, surface_point(mesh, t, leg.path->points[i]),
+                                     ahead - leg.path->points[i]);
+        navigation.stamp(journey.path, p);
+      }
+      navigation.drive(leg, pose, journey);
+    }
+    journey.legs.push_back(std::move(leg));
+  };
+  if (s.cover) {
+    const auto planning = examples::Clock::now();
+    const SurfaceGraph dual = DualMeshGraph{}(mesh, EdgeGeodesic{});
+    const auto part = connected_components(dual.links);
+    std::vector<std::int32_t> piece;
+    for (std::size_t t = 0; t < part.size(); ++t)
+      if (part[t] == part[static_cast<std::size_t>(start.triangle)])
+        piece.push_back(static_cast<std::int32_t>(t));
+    const CoveringStrip strip = covering_strip(mesh, dual.links, piece, start.triangle);
+    journey.planning = examples::seconds_since(planning);
+    SurfacePoint at = start;
+    for (const auto& triangles : split_at_turns(strip.triangles)) {
+      if (cli::interrupted()) break;
+      Leg leg;
+      leg.path.emplace();
+      leg.path->triangles = triangles;
+      leg.path->start = at;
+      leg.path->goal = SurfacePoint{triangles.back()};
+      leg.path->points.push_back(at.position(mesh));
+      for (std::size_t k = 1; k < triangles.size(); ++k)
+        leg.path->points.push_back(crossing_point(mesh, static_cast<std::size_t>(triangles[k - 1]),
+                                                  static_cast<std::size_t>(triangles[k])));
+      leg.path->points.push_back(leg.path->goal.position(mesh));
+      leg.planned = leg.path->length();
+      add_leg(std::move(leg));
+      at = pose.at.triangle == triangles.back() ? pose.at : SurfacePoint{triangles.back()};
+      line("covering, " + std::to_string(journey.strip.size()) + " triangles");
+    }
+  } else {
+    for (std::size_t g = 0; g < goals.size() && !cli::interrupted(); ++g) {
+      line("goal " + std::to_string(g + 1) + " of " + std::to_string(goals.size()));
+      const auto planning = examples::Clock::now();
+      Leg leg = navigation.plan(pose.at, goals[g]);
+      journey.planning += examples::seconds_since(planning);
+      add_leg(std::move(leg));
+    }
+  }
+
+  double planned = 0.0, driven = 0.0, square = 0.0, worst = 0.0;
+  std::size_t breaks = 0, shared = 0, left = 0;
+  nlohmann::json unreached = nlohmann::json::array();
+  for (std::size_t g = 0; g < journey.legs.size(); ++g) {
+    const Leg& leg = journey.legs[g];
+    planned += leg.planned;
+    driven += leg.driven;
+    breaks += leg.breaks;
+    shared += leg.shared;
+    left += leg.left;
+    if (!leg.reason.empty()) unreached.push_back({{"goal", g}, {"reason", leg.reason}});
+  }
+  for (const double e : journey.errors) {
+    square += e * e;
+    worst = std::max(worst, e);
+  }
+  const bool all = unreached.empty() && !cli::interrupted();
+  const nlohmann::json none;
+  const bool tracked = !journey.errors.empty();
+  const double rms = tracked ? std::sqrt(square / static_cast<double>(journey.errors.size())) : 0.0;
+  std::vector<std::uint8_t> entered(mesh.triangles.size(), 0), on_strip(mesh.triangles.size(), 0);
+  for (const std::int32_t t : journey.strip) entered[static_cast<std::size_t>(t)] = 1;
+  for (const std::int32_t t : planned_strip) on_strip[static_cast<std::size_t>(t)] = 1;
+  const auto covered = static_cast<double>(std::count(entered.begin(), entered.end(), 1)) /
+                       static_cast<double>(entered.size());
+  const nlohmann::json metrics{
+      {"scene", s.scene},
+      {"method", "strip"},
+      {"search", s.search},
+      {"field", s.robot == "magnebike" ? none : nlohmann::json(s.field)},
+      {"robot", s.robot},
+      {"seed", s.seed},
+      {"vertices", mesh.vertices.size()},
+      {"triangles", mesh.triangles.size()},
+      {"nonmanifold_edges", defects.nonmanifold_edges},
+      {"path_length_m", planned},
+      {"driven_length_m", driven},
+      {"driven_ratio", planned > 0.0 ? nlohmann::json(driven / planned) : none},
+      {"tracking_rms_m", tracked ? nlohmann::json(rms) : none},
+      {"tracking_worst_m", tracked ? nlohmann::json(worst) : none},
+      {"left_strip", left},
+      {"field_breaks", breaks},
+      {"field_shared_vertices", shared},
+      {"covered_triangles", s.cover ? nlohmann::json(covered) : none},
+      {"reached_goal", all},
+      {"unreached_goals", unreached},
+      {"preparation_time_s", prepared},
+      {"planning_time_s", journey.planning},
+      {"wall_time_s", examples::seconds_since(begin)},
+      {"peak_memory_bytes", examples::peak_memory()}};
+  write_file(out / "metrics.json", metrics.dump(2) + "\n");
+  write_ply(mesh, out / "surface.ply");
+  const TriangleMesh strip_mesh = selected(mesh, [&](std::size_t t) { return on_strip[t] != 0; });
+  write_ply(strip_mesh, out / "strip.ply");
+  write_tum(out / "path.tum", journey.path);
+  write_tum(out / "driven.tum", journey.driven);
+
+  line("drawing");
+  const bool flat = box.sizes().z() < 0.5 * box.sizes().x();
+  const RenderView view = frame_box(box, radians(-60.0), radians(flat ? 50.0 : 25.0), 1280, 860);
+  RenderStyle style;
+  style.shadows = false;
+  Rasterizer picture(view, style);
+  TriangleMesh colored = mesh;
+  colored.normals = vertex_normals(mesh);
+  colored.colors.assign(mesh.vertices.size(), {190, 195, 200});
+  picture.draw(colored);
+  const auto lifted = [&](const std::vector<StampedPose>& record) {
+    std::vector<Point3> points;
+    for (const StampedPose& p : record)
+      points.push_back(p.T_world_body * Point3(0.0, 0.0, 0.002 * box.diagonal().norm()));
+    return points;
+  };
+  const auto path = lifted(journey.path), drive = lifted(journey.driven);
+  picture.draw_polyline(path, Rgb{30, 90, 190}, 3.0);
+  picture.draw_polyline(drive, Rgb{200, 40, 40}, 2.0);
+  const Point3 from = start.position(mesh);
+  picture.draw_points(std::span<const Point3>(&from, 1), Rgb{20, 20, 20}, 11.0);
+  for (const SurfacePoint& g : goals) {
+    const Point3 at = g.position(mesh);
+    picture.draw_points(std::span<const Point3>(&at, 1), Rgb{30, 140, 60}, 13.0);
+  }
+  const Bytes png = encode_png(picture.image());
+  write_file(out / "path.png", png);
+  const auto text = [](double v, int digits) {
+    char buffer[64];
+    std::snprintf(buffer, sizeof buffer, "%.*f", digits, v);
+    return std::string(buffer);
+  };
+  Report report("Surface navigation: " + s.scene,
+                s.robot + " over " + std::to_string(mesh.triangles.size()) + " triangles");
+  std::vector<KeyFigure> figures{
+      {"Path", text(planned, 3) + " m", std::to_string(journey.legs.size()) + " leg(s)"},
+      {"Driven", text(driven, 3) + " m",
+       planned > 0.0 ? text(driven / planned, 3) + " times the path" : "nothing to drive"},
+      {"Goals", all ? "reached" : "not all reached",
+       std::to_string(left) + " times off the strip, " + std::to_string(breaks) + " field breaks"},
+      {"Planning", text(1000.0 * journey.planning, 1) + " ms", "without preparing the surface"}};
+  if (tracked)
+    figures.push_back(
+        {"Tracking", text(100.0 * rms, 2) + " cm rms", text(100.0 * worst, 2) + " cm at worst"});
+  if (s.cover) figures.push_back({"Covered", text(100.0 * covered, 1) + " %", "of the triangles"});
+  report.add_key_figures(figures);
+  report.add_picture(png, "The planned path (blue) and what was driven (red), from black to green");
+  if (!unreached.empty()) {
+    Table table{"", {"goal", "reason"}, {}};
+    for (const auto& u : unreached)
+      table.rows.push_back({std::to_string(u["goal"].get<int>()), u["reason"].get<std::string>()});
+    report.add_heading("Goals not reached").add_table(table);
+  }
+  report.write(out / "report.html");
+  line.finish();
+  std::printf("%.3f m planned, %.3f m driven, %s; results in %s\n", planned, driven,
+              all ? "every goal reached" : "not every goal reached", out.string().c_str());
+  return all ? cli::kDone : cli::kIncomplete;
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  return surfleet::cli::run("surface_navigation", [&] { return run(argc, argv); });
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Driving on surfaces: walks, triangle strips, fields, vehicles, point clouds.
+#pragma once
+
+#include <surfleet/surface/fwd.hpp>
+
+#include <surfleet/surface/drive_path.hpp>
+#include <surfleet/surface/follow_field.hpp>
+#include <surfleet/surface/geodesic_strip.hpp>
+#include <surfleet/surface/sheet_tokens.hpp>
+#include <surfleet/surface/strip_field.hpp>
+#include <surfleet/surface/strip_search.hpp>
+#include <surfleet/surface/surface_point.hpp>
+#include <surfleet/surface/surface_vehicles.hpp>
+#include <surfleet/surface/surface_walk.hpp>
+#include <surfleet/surface/taut_strip.hpp>
+#include <surfleet/surface/tensor_voting.hpp>
+#include <surfleet/surface/tracking_control.hpp>
+#include <surfleet/surface/triangle_strip.hpp>

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Declarations of the surface room, for headers that only name its types.
+#pragma once
+
+namespace surfleet {
+class ContinuousField;
+struct FieldDrive;
+struct FrontDriveBicycle;
+class GeodesicStrips;
+class PerpendicularField;
+struct RearDriveBicycle;
+struct SheetTokens;
+class SplineReference;
+struct StripCosts;
+struct StripPath;
+class StripPlace;
+class StripSearch;
+struct SurfacePath;
+struct SurfacePoint;
+struct SurfacePose;
+struct SurfaceStep;
+class SurfaceWalk;
+class TautStrips;
+struct Token;
+struct TrackedDrive;
+struct TrackingControl;
+struct UnfoldedStrip;
+struct Unicycle;
+class UnwrappedPath;
+}  // namespace surfleet
