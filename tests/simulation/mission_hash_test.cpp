@@ -63,8 +63,9 @@ TEST(short_missions_are_what_they_were) {
     int robots;
     std::uint64_t hash;
   };
-  for (const Recorded& r : {Recorded{"surfleet", 1, 0}, Recorded{"surfleet", 3, 0},
-                            Recorded{"tsga", 2, 0}, Recorded{"nnb", 3, 0}}) {
+  for (const Recorded& r :
+       {Recorded{"surfleet", 1, 0x215239d7ce9aa830U}, Recorded{"surfleet", 3, 0xdeeac4674ef1d70dU},
+        Recorded{"tsga", 2, 0x843a4d9107050c86U}, Recorded{"nnb", 3, 0x5321de1cc7dd2ffdU}}) {
     box_world::World world;
     MissionOptions o = box_world::options(world);
     o.max_time = 40.0;
