@@ -13,5 +13,6 @@
 #include <surfleet/core/parse_number.hpp>
 #include <surfleet/core/random.hpp>
 #include <surfleet/core/rotation.hpp>
+#include <surfleet/core/transport.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/core/version.hpp>

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Voronoi coverage by robots that know only what they asked their neighbours, and the
-/// record of who asked whom.
+/// @brief Voronoi coverage by robots that know only what they asked their neighbours.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <set>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include <surfleet/core/transport.hpp>
 #include <surfleet/coverage/centroid.hpp>
 #include <surfleet/coverage/voronoi_cells.hpp>
 
@@ -23,30 +23,8 @@ struct NeighbourReport {
   std::vector<std::pair<std::int32_t, Point2>> neighbours;
 };
 
-/// Mailboxes between robots that count every question.
-class MailboxNetwork {
- public:
-  explicit MailboxNetwork(std::size_t robots) : boxes_(robots) {}
-  std::size_t size() const { return boxes_.size(); }
-  /// What robot `i` will answer from now on.
-  void publish(std::int32_t i, NeighbourReport report) {
-    boxes_[static_cast<std::size_t>(i)] = std::move(report);
-  }
-  const NeighbourReport& ask(std::int32_t asker, std::int32_t asked) {
-    asked_.emplace(asker, asked);
-    ++questions_;
-    return boxes_[static_cast<std::size_t>(asked)];
-  }
-  /// All (asker, asked) since the record was last cleared.
-  const std::set<std::pair<std::int32_t, std::int32_t>>& record() const { return asked_; }
-  void clear_record() { asked_.clear(); }
-  std::size_t questions() const { return questions_; }
-
- private:
-  std::vector<NeighbourReport> boxes_;
-  std::set<std::pair<std::int32_t, std::int32_t>> asked_;
-  std::size_t questions_ = 0;
-};
+/// A question, which is empty, or the answer to one.
+using NeighbourMessage = std::optional<NeighbourReport>;
 
 /// Lloyd's algorithm on robots that exchange positions with their Voronoi neighbours alone.
 ///
@@ -70,12 +48,13 @@ class DistributedLloyd {
   /// Everybody asks its neighbours where they are and computes its own cell.
   void exchange() {
     bool changed = true;
-    for (int round = 0; changed && round < 64; ++round) {
-      publish_all();
+    for (int round = 0; changed && round < 64; ++round, ++round_) {
+      for (std::size_t i = 0; i < positions_.size(); ++i)
+        for (const auto& [j, old] : tables_[i]) send(i, j, std::nullopt);
+      for (std::size_t i = 0; i < positions_.size(); ++i) answer(i);
       changed = false;
       for (std::size_t i = 0; i < positions_.size(); ++i) changed = update(i) || changed;
     }
-    publish_all();
   }
   /// Everybody moves towards its centroid, by `share` of the way; then tables are brought up to
   /// date.
@@ -92,15 +71,22 @@ class DistributedLloyd {
     return largest;
   }
 
-  MailboxNetwork network;
+  PerfectTransport<NeighbourMessage> network;
 
  private:
   using Table = std::map<std::int32_t, Point2>;
 
-  void publish_all() {
-    for (std::size_t i = 0; i < positions_.size(); ++i)
-      network.publish(static_cast<std::int32_t>(i),
-                      {positions_[i], {tables_[i].begin(), tables_[i].end()}});
+  void send(std::size_t from, std::int32_t to, NeighbourMessage message) {
+    network.send({.time = static_cast<double>(round_),
+                  .from = static_cast<RobotId>(from),
+                  .to = static_cast<RobotId>(to),
+                  .payload = std::move(message)});
+  }
+  /// Tells everyone who has asked what robot `i` knows now.
+  void answer(std::size_t i) {
+    const NeighbourReport report{positions_[i], {tables_[i].begin(), tables_[i].end()}};
+    for (const auto& question : network.receive(static_cast<RobotId>(i)))
+      send(i, static_cast<std::int32_t>(question.from), report);
   }
   void discover() {
     const Box2 box = widened();
@@ -120,10 +106,12 @@ class DistributedLloyd {
   bool update(std::size_t i) {
     const auto self = static_cast<std::int32_t>(i);
     Table known;  // candidates heard of, then what the asked ones said themselves
-    for (const auto& [j, old] : tables_[i])
-      for (const auto& [k, place] : network.ask(self, j).neighbours)
+    const auto answers = network.receive(static_cast<RobotId>(i));
+    for (const auto& answer : answers)
+      for (const auto& [k, place] : answer.payload->neighbours)
         if (k != self) known[k] = place;
-    for (const auto& [j, old] : tables_[i]) known[j] = network.ask(self, j).position;
+    for (const auto& answer : answers)
+      known[static_cast<std::int32_t>(answer.from)] = answer.payload->position;
     const std::vector<std::pair<std::int32_t, Point2>> others(known.begin(), known.end());
     const Box2 box = widened();
     const Polygon frame{
@@ -144,5 +132,6 @@ class DistributedLloyd {
   std::vector<Point2> positions_;
   std::vector<Table> tables_;
   std::vector<VoronoiCell> cells_;
+  std::uint64_t round_ = 0;  // stands for the time
 };
 }  // namespace surfleet

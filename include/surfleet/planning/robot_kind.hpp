@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <optional>
 
+#include <surfleet/core/transport.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 #include <surfleet/motion/kinematics.hpp>
 
 namespace surfleet {
-using RobotId = std::uint32_t;      ///< Of a robot in its team, from 0 on.
 using RobotKindId = std::uint32_t;  ///< Of a kind among those of a belief, from 0 on.
 
 struct RobotKind {
