@@ -197,7 +197,7 @@ TEST(robots_ask_their_voronoi_neighbours_and_nobody_else) {
   DistributedLloyd team(square, random_places(square, 30, random));
   std::set<std::pair<RobotId, RobotId>> asked;
   team.network.on_send = [&](const auto& message) {
-    if (!message.payload) asked.emplace(message.from, *message.to);
+    if (message.payload.is_question) asked.emplace(message.from, *message.to);
   };
   for (int round = 0; round < 25; ++round) {
     asked.clear();

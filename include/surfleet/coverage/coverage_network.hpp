@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -23,8 +22,10 @@ struct NeighbourReport {
   std::vector<std::pair<std::int32_t, Point2>> neighbours;
 };
 
-/// A question, which is empty, or the answer to one.
-using NeighbourMessage = std::optional<NeighbourReport>;
+struct NeighbourMessage {
+  bool is_question = false;
+  NeighbourReport report{};  ///< The answer, if it is one.
+};
 
 /// Lloyd's algorithm on robots that exchange positions with their Voronoi neighbours alone.
 ///
@@ -50,8 +51,8 @@ class DistributedLloyd {
     bool changed = true;
     for (int round = 0; changed && round < 64; ++round, ++round_) {
       for (std::size_t i = 0; i < positions_.size(); ++i)
-        for (const auto& [j, old] : tables_[i]) send(i, j, std::nullopt);
-      for (std::size_t i = 0; i < positions_.size(); ++i) answer(i);
+        for (const auto& [j, old] : tables_[i]) send(i, j, {.is_question = true});
+      answer_all();
       changed = false;
       for (std::size_t i = 0; i < positions_.size(); ++i) changed = update(i) || changed;
     }
@@ -82,11 +83,16 @@ class DistributedLloyd {
                   .to = static_cast<RobotId>(to),
                   .payload = std::move(message)});
   }
-  /// Tells everyone who has asked what robot `i` knows now.
-  void answer(std::size_t i) {
-    const NeighbourReport report{positions_[i], {tables_[i].begin(), tables_[i].end()}};
-    for (const auto& question : network.receive(static_cast<RobotId>(i)))
-      send(i, static_cast<std::int32_t>(question.from), report);
+  /// All tell everyone who has asked what they know now.
+  void answer_all() {
+    std::vector<std::vector<Message<NeighbourMessage>>> questions;
+    for (std::size_t i = 0; i < positions_.size(); ++i)
+      questions.push_back(network.receive(static_cast<RobotId>(i)));
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      const NeighbourReport report{positions_[i], {tables_[i].begin(), tables_[i].end()}};
+      for (const auto& question : questions[i])
+        send(i, static_cast<std::int32_t>(question.from), {.report = report});
+    }
   }
   void discover() {
     const Box2 box = widened();
@@ -108,10 +114,10 @@ class DistributedLloyd {
     Table known;  // candidates heard of, then what the asked ones said themselves
     const auto answers = network.receive(static_cast<RobotId>(i));
     for (const auto& answer : answers)
-      for (const auto& [k, place] : answer.payload->neighbours)
+      for (const auto& [k, place] : answer.payload.report.neighbours)
         if (k != self) known[k] = place;
     for (const auto& answer : answers)
-      known[static_cast<std::int32_t>(answer.from)] = answer.payload->position;
+      known[static_cast<std::int32_t>(answer.from)] = answer.payload.report.position;
     const std::vector<std::pair<std::int32_t, Point2>> others(known.begin(), known.end());
     const Box2 box = widened();
     const Polygon frame{
