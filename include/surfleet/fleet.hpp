@@ -8,3 +8,4 @@
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/fleet/central_planning.hpp>
 #include <surfleet/fleet/robot_body.hpp>
+#include <surfleet/fleet/single_agent.hpp>

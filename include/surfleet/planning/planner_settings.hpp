@@ -16,9 +16,9 @@ struct PlannerSettings {
   double cluster_max_radius = 5.0;  ///< d_ν^max [m].
   bool cluster_by_path = false;     ///< Whether roadmap paths join viewpoints, not straight lines.
   double lambda_tc = 0.3, lambda_ic = 0.03;  ///< Penalties of travel [1/m].
-  MergeOptions merge;
+  MergeOptions merge{};
   double speed = 0.6, yaw_rate = 0.8;  ///< Of the robots [m/s, rad/s]; what stops cost.
   /// 1 − c_thres; if given, also for those planners that have one of their own.
-  std::optional<double> utility_share;
+  std::optional<double> utility_share{};
 };
 }  // namespace surfleet
