@@ -111,7 +111,7 @@ std::vector<Configuration> InspectionSite::starts(const InspectionSettings& sett
 DroneWorld<EmbreeRayCaster> InspectionSite::world(const InspectionSettings& s) const {
   return {caster,
           camera,
-          forward_camera_mount(),
+          s.T_body_camera(),
           {.noise = s.noise, .stereo = s.stereo, .body_radius = 0.5 * s.radius, .seed = s.seed}};
 }
 
@@ -123,6 +123,7 @@ void InspectionSite::find_reference(const InspectionSettings& settings, const Po
                                                    .keep_out = scene.keep_out});
   ObservabilityOptions o;
   o.camera = camera;
+  o.T_body_camera = settings.T_body_camera();
   o.threads = settings.threads;
   const ObservableSurface seen = observable_surface(samples.cloud, caster, lattice, o);
   reference = oriented_samples(samples.cloud, seen);
@@ -137,6 +138,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   MissionOptions o;
   RobotKind& kind = o.kind;
   kind.camera = site.camera;
+  kind.T_body_camera = s.T_body_camera();
   kind.body_radius = s.radius;
   kind.margin = s.margin;
   kind.unknown_margin = s.unknown_margin;
@@ -173,7 +175,7 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
   const std::vector<Configuration> starts = site.starts(s, s.robots);
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
-    RecordedWorld world(site.world(s), s, site.camera);
+    RecordedWorld world(site.world(s), s, site.camera, s.T_body_camera());
     using Clock = std::chrono::steady_clock;
     const auto before = Clock::now();
     Clock::duration watched{};

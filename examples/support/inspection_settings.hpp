@@ -41,6 +41,8 @@ struct InspectionSettings : MissionPreset {
   std::uint64_t seed = 1;
   std::vector<double> fov{90.0, 60.0};
   int image_width = 160;
+  double camera_pitch = 0.0;                        ///< Down [deg].
+  std::vector<double> camera_mount{0.0, 0.0, 0.0};  ///< Of the camera in the body's frame [m].
   double rate = 4.0;
   std::vector<double> start, bounds;
   std::optional<double> start_clearance;  ///< [m]; nothing: `known_around_start`.
@@ -62,12 +64,19 @@ struct InspectionSettings : MissionPreset {
   /// Whether `utility_share` was asked for, and holds for planners that have one of their own.
   bool utility_share_given = false;
 
+  Pose T_body_camera() const {
+    return forward_camera_mount(radians(camera_pitch),
+                                Point3(camera_mount[0], camera_mount[1], camera_mount[2]));
+  }
   /// What the operator knows to be free of the structure around every start [m]: unless it is said,
   /// as far as it takes until the camera's image is as high as what the body needs.
   double known_around_start() const {
     const double needed = radius + margin + voxel;
-    return start_clearance.value_or(needed / std::sin(0.5 * radians(fov[1])) + 1.5 * voxel);
+    const double opens = std::max(kLeastOpening, 0.5 * fov[1] - std::abs(camera_pitch));
+    return start_clearance.value_or(needed / std::sin(radians(opens)) + 1.5 * voxel);
   }
+  static constexpr double kLeastOpening = 5.0;  ///< Above or below the horizon [deg].
+
   PlannerSettings planner_settings() const {
     PlannerSettings p;
     p.standoff = standoff;
@@ -122,10 +131,11 @@ class InspectionOptions {
             "x0 y0 z0 x1 y1 z1 of a box that no drone's body may enter [m]; may be repeated");
     app.add("--ground", settings.ground, "height of a ground plane under the mesh [m]");
     app.add("--start", settings.start, "place of the first drone [m]").expected(3);
-    app.add("--start-clearance", settings.start_clearance,
-            "known to be free of the structure around every start [m]; default what the camera "
-            "leaves unseen: (radius + margin + voxel) / sin(half the vertical field of view) + 1.5 "
-            "voxels");
+    app.add(
+        "--start-clearance", settings.start_clearance,
+        "known to be free of the structure around every start [m]; default what the camera "
+        "leaves unseen: (radius + margin + voxel) / sin(half the vertical field of view, less the "
+        "pitch) + 1.5 voxels");
     app.begin_group("Robots");
     if (program == InspectionProgram::mission) {
       app.add("--robots", settings.robots, "number of drones");
@@ -145,6 +155,9 @@ class InspectionOptions {
     app.add("--range", settings.range, "nearest and farthest depth [m]").expected(2);
     app.add("--fov", settings.fov, "horizontal and vertical field of view [deg]").expected(2);
     app.add("--image-width", settings.image_width, "columns of the depth image [px]");
+    app.add("--camera-pitch", settings.camera_pitch, "tilt of the camera, down [deg]");
+    app.add("--camera-mount", settings.camera_mount, "place of the camera in the body [m]")
+        .expected(3);
     app.add("--rate", settings.rate, "images a second");
     app.add("--noise", noise_, "stereo noise, on or off");
     app.add("--disparity-error", settings.stereo.disparity_error, "|e_d| of that noise [px]");
@@ -248,6 +261,14 @@ class InspectionOptions {
     for (const double angle : s.fov)
       require(angle > 0.0 && angle <= 170.0,
               "--fov " + std::to_string(angle) + ": expected angles in (0, 170] degrees");
+    require(std::abs(s.camera_pitch) <= 80.0, "--camera-pitch: expected -80 to 80 degrees");
+    require(
+        std::abs(s.camera_pitch) + InspectionSettings::kLeastOpening <= 0.5 * s.fov[1] ||
+            s.start_clearance,
+        "--camera-pitch: at such a tilt the camera sees nothing of the way up or down; expected "
+        "a --start-clearance with it");
+    for (const double x : s.camera_mount)
+      require(std::abs(x) <= s.radius, "--camera-mount: expected a place within the body");
     require(s.image_width >= 16 && s.image_width <= 4096, "--image-width: expected 16 to 4096");
     require(s.rate >= 0.2 && s.rate <= 100.0, "--rate: expected 0.2 to 100 images a second");
     positive(s.standoff, "--standoff");

@@ -14,6 +14,7 @@ KnownSitePlanner::KnownSitePlanner(const InspectionSettings& s, const Inspection
                                    const Configuration& start, double density, double margin)
     : site_(&site),
       start_(start),
+      mount_(s.T_body_camera()),
       map_(map_from_mesh(site.space.surface(), site.scene.bounds, s.voxel)),
       states_(map_, {.known_weight = s.known_weight}),
       space_(states_, {.radius = s.radius,
@@ -32,7 +33,7 @@ KnownSitePlanner::KnownSitePlanner(const InspectionSettings& s, const Inspection
 
 CoverageTour KnownSitePlanner::plan(const CoverageTourOptions& options) {
   return plan_coverage_tour({points_, normals_, areas_}, site_->caster, space_, roadmap_,
-                            site_->camera, start_, options);
+                            site_->camera, start_, options, mount_);
 }
 
 FlownTour fly_known_tour(const CoverageTour& tour, const InspectionSettings& s,

@@ -29,6 +29,7 @@ class KnownSitePlanner {
  private:
   const InspectionSite* site_;
   Configuration start_;
+  Pose mount_;
   TsdfMap map_;
   VoxelStateMap states_;
   FreeSpace space_;
