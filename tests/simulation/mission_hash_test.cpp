@@ -3,10 +3,11 @@
 // why in the same commit. Whoever only moves code changes none.
 #include <surfleet/simulation/fly_mission.hpp>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
-#include <string>
+#include <set>
 
 #include <features.h>
 
@@ -76,5 +77,41 @@ TEST(short_missions_are_what_they_were) {
                   static_cast<unsigned long long>(hash));
     CHECK(hash == r.hash);
   }
+}
+
+TEST(an_observer_sees_every_step_plan_and_changed_block) {
+  box_world::World world;
+  MissionOptions o = box_world::options(world);
+  o.max_time = 20.0;
+  std::size_t steps = 0, plans = 0, routes = 0;
+  std::set<std::array<int, 3>> blocks;
+  std::uint64_t seen = 0;
+  Point3 last = Point3::Zero();
+  MissionObserver observer;
+  observer.on_step = [&](const MissionStep& step) {
+    ++steps;
+    CHECK(step.robots.size() == 2);
+    last = step.robots[1].position;
+    for (const std::uint32_t slot : step.belief.map().changed_since(seen)) {
+      const BlockIndex& b = step.belief.map().block(slot).index;
+      blocks.insert({b.x(), b.y(), b.z()});
+    }
+    seen = step.belief.map().revision();
+  };
+  observer.on_plan = [&](const SurfaceSituation& situation, const Plan& plan) {
+    ++plans;
+    CHECK(situation.team.size() == 2 && !situation.alone());
+    routes += plan.routes.size();
+  };
+  const FlownMission flown =
+      fly_mission(o, world, box_world::starts(2), make_planner("tsga"), {}, observer);
+  CHECK(steps == 80 && plans == flown.result.plans && plans > 0 && routes >= plans);
+  CHECK(last == flown.result.trajectories[1].back().configuration.position);
+  std::size_t all = 0;
+  flown.map.for_each_block([&](const TsdfMap::Block&) { ++all; });
+  CHECK(blocks.size() == all);
+  // Watching changes nothing.
+  CHECK(hash_of(flown) ==
+        hash_of(fly_mission(o, world, box_world::starts(2), make_planner("tsga"))));
 }
 }  // namespace

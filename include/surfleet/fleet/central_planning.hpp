@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,6 +20,8 @@ template <FleetPlanner Planner>
 class CentralPlanning {
  public:
   Planner planner;
+  /// Told of every question and its answer, before the answer is carried out.
+  std::function<void(const SurfaceSituation&, const Plan&)> on_plan;
 
   explicit CentralPlanning(Planner p = {}) : planner(std::move(p)) {}
 
@@ -77,6 +80,7 @@ class CentralPlanning {
     planning_time_ +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     ++plans_;
+    if (on_plan) on_plan(situation, plan);
     planned_revision_ = belief.known().grid().revision();
     nothing_planned_ = plan.nothing();
     impossible_ = std::move(plan.impossible);

@@ -49,7 +49,8 @@ using MissionWatch = std::function<bool(const MissionProgress&, const TsdfMap&)>
 /// Runs a `Simulation` to its end. Throws `Error` as that does.
 SURFLEET_INLINE FlownMission fly_mission(const MissionOptions& options, AnyWorld world,
                                          std::span<const Configuration> starts, AnyPlanner planner,
-                                         const MissionWatch& watch = {});
+                                         const MissionWatch& watch = {},
+                                         const MissionObserver& observer = {});
 }  // namespace surfleet
 
 #ifndef SURFLEET_COMPILED

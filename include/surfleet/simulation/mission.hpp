@@ -5,11 +5,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <span>
 #include <vector>
 
 #include <surfleet/core/types.hpp>
 #include <surfleet/fleet/agent.hpp>
+#include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/robot_kind.hpp>
 #include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/viewpoint/coverage_estimate.hpp>
@@ -39,6 +42,21 @@ struct MissionProgress {
 struct TimedConfiguration {
   double time = 0.0;  ///< [s]
   Configuration configuration;
+};
+
+/// A tick of the clock, after robots have moved; its views last for the call.
+struct MissionStep {
+  double time = 0.0;                      ///< [s]
+  std::span<const Configuration> robots;  ///< Where they are in truth.
+  /// `belief.map().changed_since(r)` are the blocks that have changed since revision r.
+  const SurfaceBelief& belief;
+};
+
+/// What an observer of a mission is told as it happens; it changes nothing. Why elements were given
+/// up is in the plans (`Plan::impossible`) and in the belief's ledger.
+struct MissionObserver {
+  std::function<void(const MissionStep&)> on_step;
+  std::function<void(const SurfaceSituation&, const Plan&)> on_plan;
 };
 
 struct MissionResult {

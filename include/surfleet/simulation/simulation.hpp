@@ -41,6 +41,7 @@ class Simulation {
  public:
   /// Called about once a simulated second; false ends the mission.
   std::function<bool(const MissionProgress&)> on_progress;
+  MissionObserver observer;
 
   /// Throws `Error` on options out of range, no robots, no planner, or starts outside the bounds.
   Simulation(MissionOptions options, World& world, std::span<const Configuration> starts,
@@ -72,6 +73,7 @@ class Simulation {
 
   /// Runs to the end. Once only.
   MissionResult run() {
+    planning_.on_plan = observer.on_plan;
     record();
     double next_report = 0.0;
     while (time_ < options_.max_time) {
@@ -85,6 +87,7 @@ class Simulation {
       move();
       time_ = static_cast<double>(++step_) * options_.agent.image_period;
       record();
+      if (observer.on_step) observer.on_step({time_, fleet_, belief_});
       if (time_ >= next_report) {
         next_report += 1.0;
         if (!report()) break;

@@ -12,8 +12,10 @@
 namespace surfleet {
 SURFLEET_INLINE FlownMission fly_mission(const MissionOptions& options, AnyWorld world,
                                          std::span<const Configuration> starts, AnyPlanner planner,
-                                         const MissionWatch& watch) {
+                                         const MissionWatch& watch,
+                                         const MissionObserver& observer) {
   Simulation<AnyPlanner, AnyWorld> simulation(options, world, starts, std::move(planner));
+  simulation.observer = observer;
   if (watch)
     simulation.on_progress = [&](const MissionProgress& p) { return watch(p, simulation.map()); };
   MissionResult result = simulation.run();
