@@ -20,7 +20,7 @@ struct Outcome {
 };
 
 /// Robots of radius 1 that each want to go straight to their goals, every one with a policy of its
-/// own, deciding one after the other.
+/// own, all deciding at once on what the others told before.
 Outcome simulate(const std::vector<std::pair<Point3, Point3>>& trips, const Free& free,
                  double limit = 400.0) {
   enum class Phase { waiting, flying, aside };
@@ -94,7 +94,6 @@ Outcome simulate(const std::vector<std::pair<Point3, Point3>>& trips, const Free
             held[i] = 0;
           }
       }
-      agents[i] = announce(i);
     }
     for (int k = 0; k < 4; ++k) {
       for (std::size_t i = 0; i < n; ++i) {
@@ -224,6 +223,16 @@ TEST(a_senior_yields_to_a_cornered_robot) {
   const auto m = theirs(senior, seen, slot, 1.0);
   CHECK(m.kind == Maneuver::Kind::step_aside);
   CHECK(std::abs(m.target.y()) >= 2.4);
+}
+
+TEST(of_two_that_wait_for_each_other_one_goes) {
+  TrafficAgent senior{.id = 0, .position = {0, 0, 0}, .path = {{0, 0, 0}, {2, 0, 0}}};
+  TrafficAgent junior{.id = 1, .position = {2.3, 0, 0}, .path = {{2.3, 0, 0}, {0, 0, 0}}};
+  senior.held = junior.held = true;
+  const std::vector<TrafficAgent> both{senior, junior};
+  const TrafficPolicy policy;
+  CHECK(policy.too_close(senior, both) == -1);
+  CHECK(policy.too_close(junior, both) == 0);
 }
 
 TEST(the_rule_above_all_keeps_robots_apart_on_crooked_paths) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -38,7 +39,7 @@ struct AgentOptions {
 /// A route is a list of stops; the first is under way. Who owns the belief and who calls the
 /// planner is not the agent's affair: in a fleet with one map agents share it, and call in this
 /// order, each for all of them: `sense`, `integrate`, `check_stop`, `accept` what is planned,
-/// `set_out`, `move`.
+/// `set_out`, `announce` and `hear`, `move`.
 template <RobotBody Body>
 class Agent {
  public:
@@ -100,6 +101,7 @@ class Agent {
   // -- stops -------------------------------------------------------------------------------------
   /// Leaves a stop when it has served, and a goal that is none any more; stops before obstacles.
   void check_stop() {
+    if (!given_up_.empty()) belief_->not_reached(std::exchange(given_up_, {}));
     if (phase_ == Phase::looking) {
       ++images_;
       bool done = true;
@@ -150,9 +152,12 @@ class Agent {
   }
 
   // -- motion ------------------------------------------------------------------------------------
-  /// Moves on by an image period, with regard to what all have announced.
-  void move(std::span<const TrafficAgent> traffic, double time) {
-    if (traffic.size() > 1 && phase_ != Phase::scanning) give_way(traffic, time);
+  /// What a teammate has told. Call `announce` and pass it on, all before anybody moves.
+  void hear(const TrafficAgent& mate) { heard_[mate.id] = mate; }
+  /// Moves on by an image period, with regard to what the others have told. Different agents at
+  /// once, if somebody has asked for the belief's goals before.
+  void move(double time) {
+    if (!heard_.empty() && phase_ != Phase::scanning) give_way(time);
     if (phase_ == Phase::scanning && (quarters_ == 0 || body_->finished())) {
       if (++quarters_ > 4) {
         phase_ = Phase::waiting;
@@ -291,19 +296,20 @@ class Agent {
 
   /// Where robots block each other for good, one does something else.
   void give_up_route() {
-    belief_->not_reached(route_.front().targets);
+    const std::vector<VoxelIndex>& targets = route_.front().targets;
+    given_up_.insert(given_up_.end(), targets.begin(), targets.end());
     route_.clear();
     halt();
   }
   /// TrafficPolicy [000 Alg. 3]: stop and wait, or step aside, or go on.
-  void give_way(std::span<const TrafficAgent> traffic, double time) {
+  void give_way(double time) {
+    const TrafficAgent self = announce(time);
+    std::vector<TrafficAgent> traffic{self};
+    for (const auto& [id, mate] : heard_) traffic.push_back(mate);
     const auto free = [this](const Point3& p, const Point3& q) {
       return space().free.is_free_segment(p, q);
     };
-    const auto self = std::find_if(traffic.begin(), traffic.end(), [this](const TrafficAgent& t) {
-      return t.id == static_cast<int>(id_);
-    });
-    const Maneuver m = traffic_(*self, traffic, free, time);
+    const Maneuver m = traffic_(self, traffic, free, time);
     switch (m.kind) {
       case Maneuver::Kind::none:
         if (held_) body_->resume();
@@ -320,7 +326,7 @@ class Agent {
         if (phase_ == Phase::aside && !body_->finished() &&
             (m.target - aside_).norm() < kind().body_radius) {
           // The place is still good; the way there must be, too.
-          const bool hold = traffic_.too_close(*self, traffic) >= 0;
+          const bool hold = traffic_.too_close(self, traffic) >= 0;
           if (hold && !held_) body_->stop();
           if (!hold && held_) body_->resume();
           held_ = hold;
@@ -390,6 +396,8 @@ class Agent {
   bool held_ = false;             // stopped for a teammate on a path that will be gone on with
   double held_until_ = 0.0;       // if still held then, the route is given up [s]
   Point3 aside_ = Point3::Zero();
+  std::map<int, TrafficAgent> heard_;  // the last of every teammate
+  std::vector<VoxelIndex> given_up_;   // not in the belief yet, which others read
   std::size_t departures_ = 0, emergency_stops_ = 0, waits_ = 0;
 };
 }  // namespace surfleet

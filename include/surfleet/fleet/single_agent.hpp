@@ -45,9 +45,7 @@ class SingleAgent {
     agent.check_stop();
     planning_(agents_, belief_, now);
     finished_ = planning_.finished(agents_, belief_);
-    if (finished_) return;
-    const std::array<TrafficAgent, 1> traffic{agent.announce(now)};
-    agent.move(traffic, now);
+    if (!finished_) agent.move(now);
   }
   /// Whether there is nothing left to do.
   bool finished() const { return finished_; }

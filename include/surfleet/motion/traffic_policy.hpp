@@ -26,8 +26,9 @@ struct TrafficAgent {
   double speed = 0.6;          ///< Its cruising speed [m/s].
   bool idle = false;           ///< Has no task: gives way to everyone who has.
   bool cornered = false;       ///< Could not give way: everyone gives way to it.
-  /// Stands, and will ask again before it moves on: where robots decide one after the other, each
-  /// knowing what those before it decided, this keeps two from waiting for each other's first step.
+  /// Stands, and will ask again before it moves on. Robots decide at once, on what was told before:
+  /// to a senior such a robot stands, a junior counts on its going on, so that of two that wait for
+  /// each other's first step just one takes it.
   bool held = false;
 };
 
@@ -156,7 +157,7 @@ class TrafficPolicy {
   int too_close(const TrafficAgent& self, std::span<const TrafficAgent> others) const {
     if (self.path.size() < 2) return -1;
     const auto reach = [&](const TrafficAgent& a) {
-      return a.path.size() < 2 || (a.held && a.id != self.id)
+      return a.path.size() < 2 || (a.held && a.id != self.id && before(self, a))
                  ? std::vector<Point3>{a.position}
                  : detail::head_of(a.path, a.speed * options.period +
                                                0.5 * a.speed * a.speed / options.braking);

@@ -23,6 +23,7 @@
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
+#include <surfleet/core/transport.hpp>
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/fleet/central_planning.hpp>
 #include <surfleet/planning/surface_belief.hpp>
@@ -34,8 +35,9 @@ namespace surfleet {
 /// one.
 ///
 /// In every step of the clock the robots look, and the belief follows the change; then stops are
-/// checked off, obstacles are watched, robots without a route are planned for, and all move. The
-/// same options, world and planner give the same result on any number of threads.
+/// checked off, obstacles are watched, robots without a route are planned for, all tell what they
+/// are about, and all move at once. The same options, world and planner give the same result on any
+/// number of threads.
 template <FleetPlanner Planner, WorldModel World>
 class Simulation {
  public:
@@ -49,7 +51,8 @@ class Simulation {
       : options_(checked(std::move(options), starts)),
         belief_(options_.belief, std::span<const RobotKind>(&options_.kind, 1)),
         planning_(std::move(planner)),
-        fleet_(starts.begin(), starts.end()) {
+        fleet_(starts.begin(), starts.end()),
+        air_(starts.size()) {
     if constexpr (std::is_same_v<Planner, AnyPlanner>)
       require(planning_.planner != nullptr, "planner: expected one, not an empty function");
     for (std::size_t r = 0; r < fleet_.size(); ++r) {
@@ -132,13 +135,16 @@ class Simulation {
     result_.images += agents_.size();
     belief_.update();
   }
+  /// All tell where they are and will be; then all move, each by what it has heard.
   void move() {
-    std::vector<TrafficAgent> traffic;
-    for (const auto& agent : agents_) traffic.push_back(agent->announce(time_));
-    for (std::size_t r = 0; r < agents_.size(); ++r) {
-      agents_[r]->move(traffic, time_);
-      traffic[r] = agents_[r]->announce(time_);
-    }
+    const std::size_t n = agents_.size();
+    for (std::size_t r = 0; n > 1 && r < n; ++r)
+      air_.send(
+          {.time = time_, .from = static_cast<RobotId>(r), .payload = agents_[r]->announce(time_)});
+    for (std::size_t r = 0; r < n; ++r)
+      for (const auto& told : air_.receive(static_cast<RobotId>(r))) agents_[r]->hear(told.payload);
+    belief_.goals();  // made now, as agents ask for them at once
+    parallel_for(n, options_.threads, [&](std::size_t r) { agents_[r]->move(time_); });
   }
 
   // -- records -----------------------------------------------------------------------------------
@@ -190,6 +196,7 @@ class Simulation {
   SurfaceBelief belief_;
   CentralPlanning<Planner> planning_;
   std::vector<Configuration> fleet_;  // the truth
+  PerfectTransport<TrafficAgent> air_;
   std::vector<std::unique_ptr<Body>> bodies_;
   std::vector<std::unique_ptr<Agent<Body>>> agents_;
   std::uint64_t step_ = 0;
