@@ -290,11 +290,10 @@ int run(int argc, char** argv) {
     goals.push_back(place({s.goal[k], s.goal[k + 1], s.goal[k + 2]}, "--goal"));
   if (goals.empty() && !s.cover) goals.push_back(end(0.9));
 
-  cli::ProgressLine line(!s.quiet);
-  line("preparing the surface");
   const Navigation navigation(s, mesh);
   const auto out = cli::prepare_output_folder(s.out);
   cli::watch_interrupts();
+  cli::ProgressLine line(!s.quiet);
 
   Journey journey;
   const double prepared = examples::seconds_since(begin);
