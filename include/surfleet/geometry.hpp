@@ -6,6 +6,7 @@
 #include <surfleet/geometry/fwd.hpp>
 
 #include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/camera_models.hpp>
 #include <surfleet/geometry/clean_surface.hpp>
 #include <surfleet/geometry/curvature.hpp>
 #include <surfleet/geometry/geodesic.hpp>

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Everything of the room `localization`: where a target of like markers is, from one image,
+/// how sure that is, and when it cannot be told [004 ch. 9].
+#pragma once
+
+#include <surfleet/localization/fwd.hpp>
+
+#include <surfleet/localization/estimate_pose.hpp>
+#include <surfleet/localization/identify.hpp>
+#include <surfleet/localization/marker_target.hpp>
+#include <surfleet/localization/observation.hpp>
+#include <surfleet/localization/p3p.hpp>
+#include <surfleet/localization/p3p_kneip.hpp>
+#include <surfleet/localization/p3p_lambda_twist.hpp>
+#include <surfleet/localization/refine_pose.hpp>
+#include <surfleet/localization/uncertain_pose.hpp>
