@@ -94,7 +94,7 @@ struct LambdaTwistP3p {
     const double c = conic(j, j) + wj * (2.0 * conic(j, k) + wj * conic(k, k));
     // a τ² + 2 b τ + c = 0 with τ = λi / λj. Double roots are kept in spite of rounding.
     double disc = b * b - a * c;
-    if (disc < -1e-9 * b * b) return;
+    if (disc < -1e-6 * b * b) return;
     disc = std::sqrt(std::max(0.0, disc));
     const double big = b > 0.0 ? -b - disc : -b + disc;
     const double cosine = k == 0 ? t.b23 : k == 1 ? t.b13 : t.b12;
