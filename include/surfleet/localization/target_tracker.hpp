@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief A target followed from frame to frame, with a state that says what is known [004 §9.4].
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/localization/identify.hpp>
+#include <surfleet/localization/image_thresholds.hpp>
+#include <surfleet/localization/pose_prediction.hpp>
+#include <surfleet/localization/sphere_outline.hpp>
+
+namespace surfleet {
+enum class TrackState {
+  start_up,   ///< Nothing has been found yet.
+  ambiguous,  ///< Several poses explain what was seen; all are returned.
+  tracked,    ///< One does.
+  coasting,   ///< Too little is seen; the pose is predicted.
+  lost        ///< It was tracked and is not found again so far.
+};
+inline const char* to_string(TrackState s) {
+  constexpr const char* kNames[] = {"start_up", "ambiguous", "tracked", "coasting", "lost"};
+  return kNames[static_cast<std::size_t>(s)];
+}
+
+struct TrackerOptions {
+  IdentifyOptions identify;
+  double gate = 12.0;              ///< Of markers predicted from the poses before [px].
+  double max_coast = 0.5;          ///< Without enough markers, the pose is predicted so long [s].
+  std::size_t max_hypotheses = 8;  ///< Poses followed while it is ambiguous which is right.
+  double roi_margin = 40.0;        ///< About the predicted markers [px].
+};
+
+/// What is known after a frame.
+struct TrackedFrame {
+  TrackState state = TrackState::start_up;
+  std::vector<TargetFit> fits;  ///< One if tracked or coasting, all if ambiguous, else none.
+  bool three_markers = false;   ///< Only three were seen: right if the prediction was.
+};
+
+/// Follows one target in the blobs of successive frames.
+///
+/// While tracked, predicted markers take their nearest blobs; the whole search is made again if
+/// that does not fit. Three markers are enough with a prediction; with fewer it coasts. What is
+/// ambiguous at first is followed on all ways until one is left.
+template <CameraModel Camera, MotionModel Motion = LinearRegression>
+class TargetTracker {
+ public:
+  TargetTracker(Camera camera, MarkerTarget target, TrackerOptions settings = {}, Motion model = {})
+      : options(std::move(settings)),
+        motion(std::move(model)),
+        camera_(std::move(camera)),
+        target_(std::move(target)) {
+    check_target(target_);
+  }
+
+  TrackerOptions options;
+  Motion motion;
+
+  TrackState state() const { return state_; }
+  /// Where the target should be at `time`; nothing unless tracked or coasting.
+  std::optional<Pose> predict(double time) const {
+    if (history_.empty()) return std::nullopt;
+    return motion(history_, time);
+  }
+  /// The window about the predicted markers; nothing, which is the whole image, without a
+  /// prediction.
+  std::optional<PixelWindow> roi(double time) const {
+    const auto T = predict(time);
+    if (!T) return std::nullopt;
+    Eigen::AlignedBox2d box;
+    for (const Point3& m : target_.markers)
+      if (const auto px = camera_.project(*T * m)) box.extend(*px);
+    if (box.isEmpty()) return std::nullopt;
+    double margin = options.roi_margin;
+    if (target_.marker_radius > 0.0)
+      margin += 300.0 * target_.marker_radius / std::max(0.1, T->translation().norm());
+    margin += 100.0 * (time - last_seen_);  // what is not seen may have gone anywhere
+    return PixelWindow{
+        static_cast<int>(box.min().x() - margin), static_cast<int>(box.min().y() - margin),
+        static_cast<int>(box.max().x() + margin) + 1, static_cast<int>(box.max().y() + margin) + 1}
+        .clipped({0, 0, camera_.width, camera_.height});
+  }
+
+  /// Takes the blobs seen at `time`, which must increase (throws `Error`). O(markers · blobs) while
+  /// tracked, else as `identify`. With `keep_if_lost`, nothing changes and nothing is returned if
+  /// the target is not found where it was predicted: ask again with the blobs of the whole image.
+  std::optional<TrackedFrame> update(double time, std::span<const Observation> blobs,
+                                     bool keep_if_lost = false) {
+    require(!started_ || time > time_, "tracker: expected times that increase");
+    if (const auto predicted = predict(time)) {
+      if (auto fit = near_prediction(*predicted, blobs, 4)) return accept(time, std::move(*fit));
+      if (keep_if_lost) return std::nullopt;
+      // All of it anew; of several the one that is closest to the prediction.
+      Identification found = identify(blobs, target_, options.identify);
+      if (!found.fits.empty()) {
+        const auto far = [&](const TargetFit& f) {
+          return pixels_apart(*predicted, f.T_camera_target);
+        };
+        const auto best = std::min_element(
+            found.fits.begin(), found.fits.end(),
+            [&](const TargetFit& a, const TargetFit& b) { return far(a) < far(b); });
+        const double room = options.gate * (1.0 + 20.0 * (time - last_seen_));
+        if (far(*best) <= room) {
+          refine(*best, blobs, false);
+          return accept(time, *best);
+        }
+      }
+      if (auto fit = near_prediction(*predicted, blobs, 3)) return accept(time, std::move(*fit));
+      if (time - last_seen_ <= options.max_coast) {
+        stamp(time, TrackState::coasting);
+        TargetFit fit;
+        fit.T_camera_target = *predicted;
+        fit.covariance = covariance_;
+        // Growing as if the last velocity might be off by a tenth of a metre and radian a second.
+        const double spread = 0.1 * (time - last_seen_);
+        fit.covariance.diagonal().array() += spread * spread;
+        fit.blob_of_marker.assign(target_.markers.size(), TargetFit::kUnseen);
+        return TrackedFrame{state_, {std::move(fit)}, false};
+      }
+      history_.clear();
+      stamp(time, TrackState::lost);
+      if (!found.fits.empty()) return begin(time, blobs, std::move(found.fits));
+      return TrackedFrame{state_, {}, false};
+    }
+    if (!hypotheses_.empty()) {
+      follow(time, blobs);
+      if (!hypotheses_.empty()) return settle(time);
+    }
+    stamp(time, was_tracked_ ? TrackState::lost : TrackState::start_up);
+    Identification found = identify(blobs, target_, options.identify);
+    if (found.fits.empty()) return TrackedFrame{state_, {}, false};
+    return begin(time, blobs, std::move(found.fits));
+  }
+
+ private:
+  struct Hypothesis {
+    TargetFit fit;
+    std::vector<TimedPose> history;
+    double score = 0.0;  ///< Summed over frames.
+  };
+
+  void stamp(double time, TrackState state) {
+    time_ = time;
+    started_ = true;
+    state_ = state;
+  }
+  /// The fit of the markers that have blobs where they are predicted; corrected for the spheres.
+  std::optional<TargetFit> near_prediction(const Pose& predicted,
+                                           std::span<const Observation> blobs,
+                                           std::size_t least) const {
+    TargetFit fit;
+    fit.T_camera_target = predicted;
+    // The first time with room for the motion; then, from the pose that gives, with none.
+    double gate = options.gate;
+    for (int round = 0; round < 3; ++round) {
+      assign(fit.T_camera_target, blobs, gate, fit);
+      if (fit.matches < least) {
+        if (round == 0 || fit.matches < 3) return std::nullopt;
+      }
+      if (fit.matches < 3 || !refine(fit, blobs, fit.matches >= 4)) {
+        if (round > 0 || fit.matches < 4) return std::nullopt;
+        return drop_worst(fit, blobs, least);
+      }
+      gate = std::max(6.0 * options.identify.pixel_noise, 2.0);
+    }
+    if (fit.matches < least) return std::nullopt;
+    // Three fit always: not too far from what was predicted.
+    if (fit.matches == 3 && pixels_apart(predicted, fit.T_camera_target) > 3.0 * options.gate)
+      return std::nullopt;
+    return fit;
+  }
+  /// Without each of the markers in turn, one of which may have taken a stranger.
+  std::optional<TargetFit> drop_worst(const TargetFit& all, std::span<const Observation> blobs,
+                                      std::size_t least) const {
+    if (all.matches <= least || all.matches <= 4) return std::nullopt;
+    std::optional<TargetFit> best;
+    for (std::size_t m = 0; m < all.blob_of_marker.size(); ++m) {
+      if (all.blob_of_marker[m] == TargetFit::kUnseen) continue;
+      TargetFit fit = all;
+      fit.blob_of_marker[m] = TargetFit::kUnseen;
+      --fit.matches;
+      if (refine(fit, blobs, true) && (!best || fit.chi_square < best->chi_square)) best = fit;
+    }
+    return best;
+  }
+  void assign(const Pose& T, std::span<const Observation> blobs, double gate,
+              TargetFit& fit) const {
+    struct Pair {
+      double error;
+      std::size_t marker;
+      int blob;
+    };
+    std::vector<Pair> pairs;
+    for (std::size_t m = 0; m < target_.markers.size(); ++m) {
+      const Eigen::Vector3d p = T * target_.markers[m];
+      for (std::size_t b = 0; b < blobs.size(); ++b) {
+        const double along = blobs[b].bearing.dot(p);
+        if (!(along > 0.0)) continue;
+        const double error = (blobs[b].to_pixels * p).squaredNorm() / (along * along);
+        if (error <= gate * gate) pairs.push_back({error, m, static_cast<int>(b)});
+      }
+    }
+    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+      return a.error != b.error ? a.error < b.error
+                                : std::pair(a.marker, a.blob) < std::pair(b.marker, b.blob);
+    });
+    fit.blob_of_marker.assign(target_.markers.size(), TargetFit::kUnseen);
+    fit.matches = 0;
+    std::vector<bool> taken(blobs.size(), false);
+    for (const Pair& p : pairs) {
+      if (fit.blob_of_marker[p.marker] != TargetFit::kUnseen ||
+          taken[static_cast<std::size_t>(p.blob)])
+        continue;
+      fit.blob_of_marker[p.marker] = p.blob;
+      taken[static_cast<std::size_t>(p.blob)] = true;
+      ++fit.matches;
+    }
+  }
+  bool refine(TargetFit& fit, std::span<const Observation> blobs, bool judge) const {
+    std::vector<Observation> seen;
+    std::vector<Point3> points;
+    for (std::size_t m = 0; m < fit.blob_of_marker.size(); ++m)
+      if (const int b = fit.blob_of_marker[m]; b != TargetFit::kUnseen) {
+        seen.push_back(blobs[static_cast<std::size_t>(b)]);
+        points.push_back(target_.markers[m]);
+      }
+    RefinedPose refined = refine_pose(seen, points, fit.T_camera_target, options.identify.refine);
+    if (!refined.valid()) return false;
+    if (target_.marker_radius > 0.0) {
+      const auto corrected = without_sphere_offsets(camera_, seen, points, refined.T_camera_target,
+                                                    target_.marker_radius);
+      refined = refine_pose(corrected, points, refined.T_camera_target, options.identify.refine);
+      if (!refined.valid()) return false;
+    }
+    const double sigma = options.identify.pixel_noise;
+    fit.chi_square = refined.cost / (sigma * sigma);
+    const double dof = 2.0 * static_cast<double>(fit.matches) - 6.0;
+    if (judge && dof > 0.0 &&
+        fit.chi_square > detail::chi_square_quantile(dof, options.identify.max_deviations))
+      return false;
+    fit.T_camera_target = refined.T_camera_target;
+    fit.covariance = refined.covariance(sigma);
+    fit.score = fit.chi_square + std::log(std::max(refined.information.determinant(), 1e-300));
+    return fit.covariance.allFinite();
+  }
+  /// The largest distance of a marker's image between two poses [px].
+  double pixels_apart(const Pose& a, const Pose& b) const {
+    double most = 0.0;
+    for (const Point3& m : target_.markers) {
+      const auto pa = camera_.project(a * m), pb = camera_.project(b * m);
+      if (pa && pb) most = std::max(most, (*pa - *pb).norm());
+    }
+    // Flipped in place is far, whatever the markers' images are.
+    const double turned = Eigen::AngleAxisd(a.linear() * b.linear().transpose()).angle();
+    return std::max(most, turned > radians(40.0) ? 1e3 : 0.0);
+  }
+  TrackedFrame accept(double time, TargetFit fit) {
+    const bool three = fit.matches < 4;
+    stamp(time, TrackState::tracked);
+    history_.push_back({time, fit.T_camera_target});
+    if (history_.size() > motion.samples()) history_.erase(history_.begin());
+    last_seen_ = time;
+    was_tracked_ = true;
+    covariance_ = fit.covariance;
+    hypotheses_.clear();
+    return {state_, {std::move(fit)}, three};
+  }
+  TrackedFrame begin(double time, std::span<const Observation> blobs, std::vector<TargetFit> fits) {
+    if (fits.size() > options.max_hypotheses) fits.resize(options.max_hypotheses);
+    hypotheses_.clear();
+    for (TargetFit& f : fits) {
+      refine(f, blobs, false);  // for the spheres
+      const double score = f.score;
+      std::vector<TimedPose> history{{time, f.T_camera_target}};
+      hypotheses_.push_back({std::move(f), std::move(history), score});
+    }
+    return settle(time);
+  }
+  /// Every hypothesis on its own way; those that no longer fit are dropped.
+  void follow(double time, std::span<const Observation> blobs) {
+    std::vector<Hypothesis> next;
+    for (Hypothesis& h : hypotheses_) {
+      const Pose predicted = motion(h.history, time);
+      auto fit = near_prediction(predicted, blobs, 4);
+      if (!fit) continue;
+      h.history.push_back({time, fit->T_camera_target});
+      if (h.history.size() > motion.samples()) h.history.erase(h.history.begin());
+      h.score += fit->chi_square;
+      h.fit = std::move(*fit);
+      next.push_back(std::move(h));
+    }
+    std::stable_sort(next.begin(), next.end(),
+                     [](const Hypothesis& a, const Hypothesis& b) { return a.score < b.score; });
+    while (!next.empty() &&
+           next.back().score > next.front().score + options.identify.likelihood_bound)
+      next.pop_back();
+    hypotheses_ = std::move(next);
+  }
+  TrackedFrame settle(double time) {
+    if (hypotheses_.size() == 1) {
+      const Hypothesis h = hypotheses_.front();
+      TrackedFrame frame = accept(time, h.fit);
+      history_ = h.history;
+      return frame;
+    }
+    stamp(time, TrackState::ambiguous);
+    TrackedFrame frame{state_, {}, false};
+    for (const Hypothesis& h : hypotheses_) frame.fits.push_back(h.fit);
+    return frame;
+  }
+
+  Camera camera_;
+  MarkerTarget target_;
+  TrackState state_ = TrackState::start_up;
+  std::vector<TimedPose> history_;
+  std::vector<Hypothesis> hypotheses_;
+  Matrix6 covariance_ = Matrix6::Zero();
+  double time_ = 0.0, last_seen_ = 0.0;
+  bool started_ = false, was_tracked_ = false;
+};
+}  // namespace surfleet
