@@ -10,8 +10,11 @@
 #include <surfleet/localization/connected_components.hpp>
 #include <surfleet/localization/estimate_pose.hpp>
 #include <surfleet/localization/identify.hpp>
+#include <surfleet/localization/identify_targets.hpp>
 #include <surfleet/localization/image_thresholds.hpp>
+#include <surfleet/localization/image_tracker.hpp>
 #include <surfleet/localization/marker_target.hpp>
+#include <surfleet/localization/nelder_mead.hpp>
 #include <surfleet/localization/observation.hpp>
 #include <surfleet/localization/p3p.hpp>
 #include <surfleet/localization/p3p_kneip.hpp>
@@ -19,5 +22,6 @@
 #include <surfleet/localization/pose_prediction.hpp>
 #include <surfleet/localization/refine_pose.hpp>
 #include <surfleet/localization/sphere_outline.hpp>
+#include <surfleet/localization/target_design.hpp>
 #include <surfleet/localization/target_tracker.hpp>
 #include <surfleet/localization/uncertain_pose.hpp>

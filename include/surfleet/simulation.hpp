@@ -10,6 +10,7 @@
 #include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/house.hpp>
 #include <surfleet/simulation/judge.hpp>
+#include <surfleet/simulation/marker_images.hpp>
 #include <surfleet/simulation/mesh_map.hpp>
 #include <surfleet/simulation/planar_environments.hpp>
 #include <surfleet/simulation/powerplant.hpp>
@@ -20,3 +21,4 @@
 #include <surfleet/simulation/steam_chest.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
 #include <surfleet/simulation/surfaces.hpp>
+#include <surfleet/simulation/target_motions.hpp>
