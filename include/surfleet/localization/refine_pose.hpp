@@ -32,6 +32,13 @@ struct RefinedPose {
   }
 };
 
+/// What is known of a pose before it is measured.
+struct PosePrior {
+  Pose T_camera_target = Pose::Identity();
+  Matrix6 information =
+      Matrix6::Zero();  ///< Inverse covariance, for an error of one pixel as above.
+};
+
 namespace detail {
 /// Of one error of length √r2: its robust cost, and the weight of its square in the next step.
 inline double huber_cost(double r2, double k) {
@@ -56,12 +63,22 @@ inline double reprojection_cost(std::span<const Observation> seen, std::span<con
 
 /// From `start`, the pose with the least robust sum of squared errors of `points[i]` (target frame)
 /// observed as `seen[i]`; damped where a full step would make it worse. Not `valid` where the start
-/// has points behind the camera. O(points) an iteration. Expects at least three points.
+/// has points behind the camera. A `prior` counts like a measurement. O(points) an iteration.
+/// Expects at least three points.
 inline RefinedPose refine_pose(std::span<const Observation> seen, std::span<const Point3> points,
-                               const Pose& start, const RefineOptions& options = {}) {
+                               const Pose& start, const RefineOptions& options = {},
+                               const PosePrior* prior = nullptr) {
   RefinedPose best;
   best.T_camera_target = start;
-  best.cost = detail::reprojection_cost(seen, points, start, options.huber);
+  const auto cost_of = [&](const Pose& T) {
+    double cost = detail::reprojection_cost(seen, points, T, options.huber);
+    if (prior) {
+      const Vector6 xi = difference(prior->T_camera_target, T);
+      cost += xi.dot(prior->information * xi);
+    }
+    return cost;
+  };
+  best.cost = cost_of(start);
   if (!best.valid()) return best;
   double damping = 0.0;
   Matrix6 h;
@@ -85,6 +102,10 @@ inline RefinedPose refine_pose(std::span<const Observation> seen, std::span<cons
       h.noalias() += w * jt * jt.transpose();
       g.noalias() += w * (jt * r);
     }
+    if (prior) {
+      h += prior->information;
+      g += prior->information * difference(prior->T_camera_target, best.T_camera_target);
+    }
   };
   linearize();
   for (; best.iterations < options.max_iterations; ++best.iterations) {
@@ -93,7 +114,7 @@ inline RefinedPose refine_pose(std::span<const Observation> seen, std::span<cons
     const Vector6 step = -damped.llt().solve(g);
     if (!step.allFinite()) break;
     const Pose next = perturbed(best.T_camera_target, step);
-    const double cost = detail::reprojection_cost(seen, points, next, options.huber);
+    const double cost = cost_of(next);
     if (!(cost < best.cost)) {
       // At the minimum rounding decides; elsewhere the step was too long.
       if (g.dot(-step) <= 1e-12 * (best.cost + 1e-9) || damping > 1e8) break;

@@ -35,6 +35,8 @@ struct TrackerOptions {
   double gate = 12.0;              ///< Of markers predicted from the poses before [px].
   double max_coast = 0.5;          ///< Without enough markers, the pose is predicted so long [s].
   std::size_t max_hypotheses = 8;  ///< Poses followed while it is ambiguous which is right.
+  double speed_change = 0.1;       ///< From frame to frame, for three markers and coasting [m/s].
+  double turn_change = 0.3;        ///< The same of rotation [rad/s].
   double roi_margin = 40.0;        ///< About the predicted markers [px].
 };
 
@@ -96,7 +98,8 @@ class TargetTracker {
                                      bool keep_if_lost = false) {
     require(!started_ || time > time_, "tracker: expected times that increase");
     if (const auto predicted = predict(time)) {
-      if (auto fit = near_prediction(*predicted, blobs, 4)) return accept(time, std::move(*fit));
+      if (auto fit = near_prediction(*predicted, blobs)) return accept(time, std::move(*fit));
+      if (auto fit = three_markers(time, *predicted, blobs)) return accept(time, std::move(*fit));
       if (keep_if_lost) return std::nullopt;
       // All of it anew; of several the one that is closest to the prediction.
       Identification found = identify(blobs, target_, options.identify);
@@ -106,22 +109,20 @@ class TargetTracker {
         };
         const auto best = std::min_element(
             found.fits.begin(), found.fits.end(),
-            [&](const TargetFit& a, const TargetFit& b) { return far(a) < far(b); });
+            [&](const TargetFit& x, const TargetFit& y) { return far(x) < far(y); });
         const double room = options.gate * (1.0 + 20.0 * (time - last_seen_));
         if (far(*best) <= room) {
           refine(*best, blobs, false);
           return accept(time, *best);
         }
       }
-      if (auto fit = near_prediction(*predicted, blobs, 3)) return accept(time, std::move(*fit));
       if (time - last_seen_ <= options.max_coast) {
         stamp(time, TrackState::coasting);
         TargetFit fit;
         fit.T_camera_target = *predicted;
         fit.covariance = covariance_;
-        // Growing as if the last velocity might be off by a tenth of a metre and radian a second.
-        const double spread = 0.1 * (time - last_seen_);
-        fit.covariance.diagonal().array() += spread * spread;
+        const double wait = time - last_seen_;
+        fit.covariance += drift(wait) * (wait / std::max(last_step_, 1e-3));
         fit.blob_of_marker.assign(target_.markers.size(), TargetFit::kUnseen);
         return TrackedFrame{state_, {std::move(fit)}, false};
       }
@@ -152,35 +153,90 @@ class TargetTracker {
     started_ = true;
     state_ = state;
   }
-  /// The fit of the markers that have blobs where they are predicted; corrected for the spheres.
+  /// The fit of at least four markers that have blobs where they are predicted.
   std::optional<TargetFit> near_prediction(const Pose& predicted,
-                                           std::span<const Observation> blobs,
-                                           std::size_t least) const {
+                                           std::span<const Observation> blobs) const {
     TargetFit fit;
     fit.T_camera_target = predicted;
-    // The first time with room for the motion; then, from the pose that gives, with none.
+    // The first time with room for the motion; then, from the pose that gives, with little.
     double gate = options.gate;
     for (int round = 0; round < 3; ++round) {
       assign(fit.T_camera_target, blobs, gate, fit);
-      if (fit.matches < least) {
-        if (round == 0 || fit.matches < 3) return std::nullopt;
-      }
-      if (fit.matches < 3 || !refine(fit, blobs, fit.matches >= 4)) {
-        if (round > 0 || fit.matches < 4) return std::nullopt;
-        return drop_worst(fit, blobs, least);
+      if (fit.matches < 4) return std::nullopt;
+      if (!refine(fit, blobs, true)) {
+        if (round > 0) return std::nullopt;
+        return drop_worst(fit, blobs);
       }
       gate = std::max(6.0 * options.identify.pixel_noise, 2.0);
     }
-    if (fit.matches < least) return std::nullopt;
-    // Three fit always: not too far from what was predicted.
-    if (fit.matches == 3 && pixels_apart(predicted, fit.T_camera_target) > 3.0 * options.gate)
-      return std::nullopt;
     return fit;
   }
+  /// What can be had of three markers near where they are predicted. If one of their poses shows
+  /// another marker on a blob, it is that; else the prediction counts as a measurement, too, for
+  /// there are directions that three markers tell little of.
+  std::optional<TargetFit> three_markers(double time, const Pose& predicted,
+                                         std::span<const Observation> blobs) const {
+    TargetFit fit;
+    fit.T_camera_target = predicted;
+    assign(predicted, blobs, options.gate, fit);
+    if (fit.matches > 3) {  // of which one is a stranger: the three that fit best
+      std::optional<TargetFit> best;
+      for (std::size_t m = 0; m < fit.blob_of_marker.size() && fit.matches == 4; ++m) {
+        if (fit.blob_of_marker[m] == TargetFit::kUnseen) continue;
+        TargetFit three = fit;
+        three.blob_of_marker[m] = TargetFit::kUnseen;
+        three.matches = 3;
+        if (with_prior(time, predicted, blobs, three) &&
+            (!best || three.chi_square < best->chi_square))
+          best = std::move(three);
+      }
+      return best;
+    }
+    if (fit.matches < 3) return std::nullopt;
+    Bearings3 f;
+    Points3 p;
+    std::size_t k = 0;
+    for (std::size_t m = 0; m < fit.blob_of_marker.size(); ++m)
+      if (const int b = fit.blob_of_marker[m]; b != TargetFit::kUnseen) {
+        f[k] = blobs[static_cast<std::size_t>(b)].bearing;
+        p[k++] = target_.markers[m];
+      }
+    if (blobs.size() > 3) {
+      detail::FitSearch search(blobs, target_, options.identify);
+      for (const Pose& T : LambdaTwistP3p{}(f, p))
+        search.consider(T, fit.blob_of_marker, options.identify.gate);
+      const auto four = search.take();
+      if (!four.empty() && pixels_apart(predicted, four[0].T_camera_target) < 5.0 * options.gate) {
+        TargetFit best = four[0];
+        refine(best, blobs, false);
+        return best;
+      }
+    }
+    if (!with_prior(time, predicted, blobs, fit)) return std::nullopt;
+    return fit;
+  }
+  /// Refines a fit of three markers; false if that is far from what was predicted.
+  bool with_prior(double time, const Pose& predicted, std::span<const Observation> blobs,
+                  TargetFit& fit) const {
+    const double sigma = options.identify.pixel_noise;
+    const Matrix6 covariance = covariance_ + drift(time - time_);
+    const PosePrior prior{predicted, sigma * sigma * covariance.ldlt().solve(Matrix6::Identity())};
+    fit.T_camera_target = predicted;
+    if (!refine(fit, blobs, false, &prior)) return false;
+    // Six degrees of freedom: the six of the prior and as many of the markers less the pose's.
+    return fit.chi_square <= detail::chi_square_quantile(6.0, options.identify.max_deviations);
+  }
+  /// How much less sure a pose is after `step` seconds.
+  Matrix6 drift(double step) const {
+    Matrix6 q = Matrix6::Zero();
+    q.diagonal().head<3>().setConstant(options.turn_change * options.turn_change * step * step);
+    q.diagonal().tail<3>().setConstant(options.speed_change * options.speed_change * step * step);
+    return q;
+  }
   /// Without each of the markers in turn, one of which may have taken a stranger.
-  std::optional<TargetFit> drop_worst(const TargetFit& all, std::span<const Observation> blobs,
-                                      std::size_t least) const {
-    if (all.matches <= least || all.matches <= 4) return std::nullopt;
+  std::optional<TargetFit> drop_worst(const TargetFit& all,
+                                      std::span<const Observation> blobs) const {
+    if (all.matches <= 4) return std::nullopt;
     std::optional<TargetFit> best;
     for (std::size_t m = 0; m < all.blob_of_marker.size(); ++m) {
       if (all.blob_of_marker[m] == TargetFit::kUnseen) continue;
@@ -224,7 +280,8 @@ class TargetTracker {
       ++fit.matches;
     }
   }
-  bool refine(TargetFit& fit, std::span<const Observation> blobs, bool judge) const {
+  bool refine(TargetFit& fit, std::span<const Observation> blobs, bool judge,
+              const PosePrior* prior = nullptr) const {
     std::vector<Observation> seen;
     std::vector<Point3> points;
     for (std::size_t m = 0; m < fit.blob_of_marker.size(); ++m)
@@ -232,12 +289,14 @@ class TargetTracker {
         seen.push_back(blobs[static_cast<std::size_t>(b)]);
         points.push_back(target_.markers[m]);
       }
-    RefinedPose refined = refine_pose(seen, points, fit.T_camera_target, options.identify.refine);
+    RefinedPose refined =
+        refine_pose(seen, points, fit.T_camera_target, options.identify.refine, prior);
     if (!refined.valid()) return false;
     if (target_.marker_radius > 0.0) {
       const auto corrected = without_sphere_offsets(camera_, seen, points, refined.T_camera_target,
                                                     target_.marker_radius);
-      refined = refine_pose(corrected, points, refined.T_camera_target, options.identify.refine);
+      refined =
+          refine_pose(corrected, points, refined.T_camera_target, options.identify.refine, prior);
       if (!refined.valid()) return false;
     }
     const double sigma = options.identify.pixel_noise;
@@ -265,6 +324,7 @@ class TargetTracker {
   TrackedFrame accept(double time, TargetFit fit) {
     const bool three = fit.matches < 4;
     stamp(time, TrackState::tracked);
+    if (was_tracked_ && time > last_seen_) last_step_ = time - last_seen_;
     history_.push_back({time, fit.T_camera_target});
     if (history_.size() > motion.samples()) history_.erase(history_.begin());
     last_seen_ = time;
@@ -289,7 +349,7 @@ class TargetTracker {
     std::vector<Hypothesis> next;
     for (Hypothesis& h : hypotheses_) {
       const Pose predicted = motion(h.history, time);
-      auto fit = near_prediction(predicted, blobs, 4);
+      auto fit = near_prediction(predicted, blobs);
       if (!fit) continue;
       h.history.push_back({time, fit->T_camera_target});
       if (h.history.size() > motion.samples()) h.history.erase(h.history.begin());
@@ -323,7 +383,7 @@ class TargetTracker {
   std::vector<TimedPose> history_;
   std::vector<Hypothesis> hypotheses_;
   Matrix6 covariance_ = Matrix6::Zero();
-  double time_ = 0.0, last_seen_ = 0.0;
+  double time_ = 0.0, last_seen_ = 0.0, last_step_ = 0.1;
   bool started_ = false, was_tracked_ = false;
 };
 }  // namespace surfleet
