@@ -29,6 +29,7 @@ struct BlobOptions {
   int max_area = 20000;     ///< [px]
   double min_convexity = 0.75;  ///< Area over that of the convex hull.
   double min_roundness = 0.55;  ///< Shorter over longer axis.
+  bool keep_merged = false;     ///< Blobs that may be two discs are kept, last and marked so.
   std::size_t max_count = 200;  ///< Of more components, the largest are looked at.
   std::size_t markers = 4;      ///< Fewer blobs than these make the search go on.
 };
@@ -38,6 +39,7 @@ struct Blob {
   double diameter = 0.0;           ///< Of the disc with as much light [px].
   int area = 0;                    ///< Above λ₂ [px].
   double convexity = 1.0, roundness = 1.0;
+  bool merged = false;     ///< No disc, but perhaps two of them (`BlobOptions::keep_merged`).
   bool at_border = false;  ///< Cut by the image's border.
   double peak = 0.0;       ///< Above the background [grey levels].
 };
@@ -196,26 +198,37 @@ inline std::vector<Blob> extract_blobs(const GreyImage& original, const BlobOpti
   std::vector<std::pair<int, int>> starts;  // of components at λ₂, not to count one twice
   for (const PixelComponent& seed : seeds) {
     const int side = std::max(seed.box.right - seed.box.left, seed.box.bottom - seed.box.top);
-    const PixelWindow around = seed.box.inflated(std::max(3, side / 2)).clipped(window);
     const int u0 = seed.runs[0].begin, v0 = seed.runs[0].v;
-    for (PixelComponent& c : connected_components(image, around, lambda2)) {
-      const bool holds = std::any_of(c.runs.begin(), c.runs.end(), [&](const PixelRun& r) {
-        return r.v == v0 && r.begin <= u0 && u0 < r.end;
-      });
-      if (!holds) continue;
-      const std::pair start(c.runs[0].v, c.runs[0].begin);
-      if (std::find(starts.begin(), starts.end(), start) != starts.end()) break;
-      starts.push_back(start);
-      Blob blob = detail::measure_blob(image, c, background.mean, window);
-      if (accepted(blob))
-        blobs.push_back(blob);
-      else if (c.area > options.min_area)
-        refused.push_back(std::move(c));
-      break;
+    std::optional<PixelComponent> whole;
+    // A window that cuts it is enlarged, as where another blob touches.
+    for (int margin = std::max(3, side / 2); margin <= 4 * side + 16; margin *= 2) {
+      const PixelWindow around = seed.box.inflated(margin).clipped(window);
+      for (PixelComponent& c : connected_components(image, around, lambda2))
+        if (std::any_of(c.runs.begin(), c.runs.end(), [&](const PixelRun& r) {
+              return r.v == v0 && r.begin <= u0 && u0 < r.end;
+            }))
+          whole = std::move(c);
+      const auto cut = [](int edge, int inner, int outer) {
+        return edge == inner && inner != outer;
+      };
+      if (!whole || !(cut(whole->box.left, around.left, window.left) ||
+                      cut(whole->box.top, around.top, window.top) ||
+                      cut(whole->box.right, around.right, window.right) ||
+                      cut(whole->box.bottom, around.bottom, window.bottom)))
+        break;
     }
+    if (!whole) continue;
+    const std::pair start(whole->runs[0].v, whole->runs[0].begin);
+    if (std::find(starts.begin(), starts.end(), start) != starts.end()) continue;
+    starts.push_back(start);
+    Blob blob = detail::measure_blob(image, *whole, background.mean, window);
+    if (accepted(blob))
+      blobs.push_back(blob);
+    else if (whole->area > options.min_area)
+      refused.push_back(std::move(*whole));
   }
   // Merged ones fall apart. Their parts keep the centres they had, near enough.
-  if (blobs.size() < options.markers)
+  if (blobs.size() < options.markers && !options.keep_merged)
     for (const PixelComponent& c : refused) {
       std::vector<PixelComponent> parts{c};
       for (int round = 0; round < 64 && parts.size() == 1; ++round) {
@@ -228,7 +241,14 @@ inline std::vector<Blob> extract_blobs(const GreyImage& original, const BlobOpti
         if (accepted(blob)) blobs.push_back(blob);
       }
     }
+  if (options.keep_merged)
+    for (const PixelComponent& c : refused) {
+      Blob blob = detail::measure_blob(image, c, background.mean, window);
+      blob.merged = true;
+      if (blob.convexity >= 0.7 && blob.roundness >= 0.3) blobs.push_back(blob);
+    }
   std::stable_sort(blobs.begin(), blobs.end(), [](const Blob& a, const Blob& b) {
+    if (a.merged != b.merged) return b.merged;
     return a.peak * a.convexity * a.roundness > b.peak * b.convexity * b.roundness;
   });
   return blobs;

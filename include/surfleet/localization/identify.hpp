@@ -116,7 +116,8 @@ class FitSearch {
       const Eigen::Vector3d p = T.linear() * target_.markers[m] + T.translation();
       for (std::size_t b = 0; b < blobs_.size(); ++b) {
         const double along = blobs_[b].bearing.dot(p), limit = gate * along;
-        if (along > 0.0 && (blobs_[b].to_pixels * p).squaredNorm() <= limit * limit &&
+        if (along > 0.0 && !blobs_[b].merged &&
+            (blobs_[b].to_pixels * p).squaredNorm() <= limit * limit &&
             std::find(sure.begin(), sure.end(), static_cast<int>(b)) == sure.end())
           return true;
       }
@@ -137,7 +138,7 @@ class FitSearch {
       if (sure[m] != TargetFit::kUnseen) continue;
       const Eigen::Vector3d p = T.linear() * target_.markers[m] + T.translation();
       for (std::size_t b = 0; b < blobs_.size(); ++b) {
-        if (taken_[b]) continue;
+        if (taken_[b] || blobs_[b].merged) continue;
         const double along = blobs_[b].bearing.dot(p);
         if (!(along > 0.0)) continue;
         const double error = (blobs_[b].to_pixels * p).squaredNorm() / (along * along);
@@ -232,6 +233,7 @@ Identification identify(std::span<const Observation> blobs, const MarkerTarget& 
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j)
       for (std::size_t k = j + 1; k < n; ++k) {
+        if (blobs[i].merged || blobs[j].merged || blobs[k].merged) continue;
         const Bearings3 f{blobs[i].bearing, blobs[j].bearing, blobs[k].bearing};
         for (std::size_t a = 0; a < m; ++a)
           for (std::size_t b = 0; b < m; ++b)

@@ -57,7 +57,9 @@ class ImageTracker {
 
  private:
   std::vector<Blob> look(const GreyImage& image, const std::optional<PixelWindow>& window) const {
-    auto blobs = extract_blobs(image, blob_options, window);
+    BlobOptions options = blob_options;
+    options.keep_merged = window.has_value();  // without a prediction they are of no use
+    auto blobs = extract_blobs(image, options, window);
     // What the border cuts has its centre elsewhere.
     std::erase_if(blobs, [](const Blob& b) { return b.at_border; });
     return nearest_blobs(std::move(blobs), tracker.options.identify.max_blobs);
@@ -65,7 +67,10 @@ class ImageTracker {
   std::vector<Observation> observed(const std::vector<Blob>& blobs) const {
     std::vector<Observation> all;
     all.reserve(blobs.size());
-    for (const Blob& b : blobs) all.push_back(observe(camera_, b.center, b.diameter));
+    for (const Blob& b : blobs) {
+      all.push_back(observe(camera_, b.center, b.diameter));
+      all.back().merged = b.merged;
+    }
     return all;
   }
   Camera camera_;

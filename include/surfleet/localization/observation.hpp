@@ -20,6 +20,7 @@ struct Observation {
   Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();
   Eigen::Matrix<double, 2, 3> to_pixels = Eigen::Matrix<double, 2, 3>::Zero();
   double diameter = 0.0;  ///< Of the marker's image [px]; 0: unknown.
+  bool merged = false;    ///< No disc: perhaps two markers, one partly before the other.
 };
 
 /// The observation of a marker at a pixel. O(1): five rays.

@@ -116,6 +116,17 @@ class TargetTracker {
           return accept(time, *best);
         }
       }
+      // Far from what was predicted it is taken only if it goes on in the next frame.
+      if (!hypotheses_.empty()) {
+        follow(time, blobs);
+        if (hypotheses_.size() == 1) {
+          const Hypothesis h = hypotheses_.front();
+          history_ = h.history;
+          history_.pop_back();
+          return accept(time, h.fit);
+        }
+      }
+      if (hypotheses_.empty()) propose(time, blobs, found.fits);
       if (time - last_seen_ <= options.max_coast) {
         stamp(time, TrackState::coasting);
         TargetFit fit;
@@ -128,7 +139,7 @@ class TargetTracker {
       }
       history_.clear();
       stamp(time, TrackState::lost);
-      if (!found.fits.empty()) return begin(time, blobs, std::move(found.fits));
+      if (!hypotheses_.empty()) return settle(time);
       return TrackedFrame{state_, {}, false};
     }
     if (!hypotheses_.empty()) {
@@ -138,7 +149,8 @@ class TargetTracker {
     stamp(time, was_tracked_ ? TrackState::lost : TrackState::start_up);
     Identification found = identify(blobs, target_, options.identify);
     if (found.fits.empty()) return TrackedFrame{state_, {}, false};
-    return begin(time, blobs, std::move(found.fits));
+    propose(time, blobs, std::move(found.fits));
+    return settle(time);
   }
 
  private:
@@ -201,7 +213,8 @@ class TargetTracker {
         f[k] = blobs[static_cast<std::size_t>(b)].bearing;
         p[k++] = target_.markers[m];
       }
-    if (blobs.size() > 3) {
+    const bool apart = f[0] != f[1] && f[0] != f[2] && f[1] != f[2];
+    if (blobs.size() > 3 && apart) {
       detail::FitSearch search(blobs, target_, options.identify);
       for (const Pose& T : LambdaTwistP3p{}(f, p))
         search.consider(T, fit.blob_of_marker, options.identify.gate);
@@ -279,6 +292,29 @@ class TargetTracker {
       taken[static_cast<std::size_t>(p.blob)] = true;
       ++fit.matches;
     }
+    // A marker without a blob whose image overlaps that of one with: both are in that blob.
+    const std::vector<int> alone = fit.blob_of_marker;
+    for (std::size_t m = 0; m < alone.size(); ++m) {
+      if (alone[m] != TargetFit::kUnseen) continue;
+      for (std::size_t other = 0; other < alone.size(); ++other) {
+        const int b = alone[other];
+        if (b == TargetFit::kUnseen || sharing(fit.blob_of_marker, b) > 1) continue;
+        const Observation& o = blobs[static_cast<std::size_t>(b)];
+        const Eigen::Vector2d apart =
+            pixels_off(o, T * target_.markers[m]) - pixels_off(o, T * target_.markers[other]);
+        if (!(o.diameter > 0.0 && apart.norm() < o.diameter + 2.0)) continue;
+        fit.blob_of_marker[m] = b;
+        ++fit.matches;
+        break;
+      }
+    }
+  }
+  static std::ptrdiff_t sharing(const std::vector<int>& blob_of_marker, int blob) {
+    return std::count(blob_of_marker.begin(), blob_of_marker.end(), blob);
+  }
+  /// From a blob to where a point of the camera frame is seen [px].
+  static Eigen::Vector2d pixels_off(const Observation& o, const Eigen::Vector3d& p) {
+    return o.to_pixels * p / o.bearing.dot(p);
   }
   bool refine(TargetFit& fit, std::span<const Observation> blobs, bool judge,
               const PosePrior* prior = nullptr) const {
@@ -288,6 +324,15 @@ class TargetTracker {
       if (const int b = fit.blob_of_marker[m]; b != TargetFit::kUnseen) {
         seen.push_back(blobs[static_cast<std::size_t>(b)]);
         points.push_back(target_.markers[m]);
+        if (sharing(fit.blob_of_marker, b) < 2) continue;
+        // Two in one: its centre is the middle of theirs, which are as far apart as predicted.
+        Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+        for (std::size_t k = 0; k < fit.blob_of_marker.size(); ++k)
+          if (fit.blob_of_marker[k] == b)
+            middle += 0.5 * pixels_off(seen.back(), fit.T_camera_target * target_.markers[k]);
+        const Eigen::Vector2d own =
+            pixels_off(seen.back(), fit.T_camera_target * target_.markers[m]);
+        seen.back() = observe(camera_, seen.back().pixel + own - middle, 0.0);
       }
     RefinedPose refined =
         refine_pose(seen, points, fit.T_camera_target, options.identify.refine, prior);
@@ -333,7 +378,8 @@ class TargetTracker {
     hypotheses_.clear();
     return {state_, {std::move(fit)}, three};
   }
-  TrackedFrame begin(double time, std::span<const Observation> blobs, std::vector<TargetFit> fits) {
+  /// Starts a hypothesis for each of the fits.
+  void propose(double time, std::span<const Observation> blobs, std::vector<TargetFit> fits) {
     if (fits.size() > options.max_hypotheses) fits.resize(options.max_hypotheses);
     hypotheses_.clear();
     for (TargetFit& f : fits) {
@@ -342,7 +388,6 @@ class TargetTracker {
       std::vector<TimedPose> history{{time, f.T_camera_target}};
       hypotheses_.push_back({std::move(f), std::move(history), score});
     }
-    return settle(time);
   }
   /// Every hypothesis on its own way; those that no longer fit are dropped.
   void follow(double time, std::span<const Observation> blobs) {

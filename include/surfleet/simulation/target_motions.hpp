@@ -58,12 +58,22 @@ class CameraMotion {
     const double distance = 0.5 * (options_.nearest + options_.farthest) +
                             0.5 * (options_.farthest - options_.nearest) * wave(0);
     const double tilt = options_.tilt * wave(1), around = rate_[2] * t + phase_[2];
-    const Point3 eye =
-        options_.middle + distance * Point3(std::sin(tilt) * std::cos(around),
-                                            std::sin(tilt) * std::sin(around), std::cos(tilt));
-    const Point3 at =
-        options_.middle + options_.aim * Point3(wave(3), wave(4), 0.0) * std::min(1.0, distance);
-    return look_at(eye, at, kPi * wave(5)).inverse();
+    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    // Turned about the vertical, tilted about an axis of the ground, then looking straight down: so
+    // that passing over the top is smooth.
+    const Eigen::Vector3d axis(-std::sin(around), std::cos(around), 0.0);
+    const Eigen::Matrix3d lean =
+        (Eigen::AngleAxisd(tilt, axis) * Eigen::AngleAxisd(kPi * wave(5), up)).toRotationMatrix();
+    Pose T_target_camera = Pose::Identity();
+    T_target_camera.linear().col(0) = lean.col(0);
+    T_target_camera.linear().col(1) = -lean.col(1);
+    T_target_camera.linear().col(2) = -lean.col(2);
+    const Eigen::Vector3d aside =
+        options_.aim * std::min(1.0, distance) * (wave(3) * lean.col(0) + wave(4) * lean.col(1));
+    T_target_camera.translation() =
+        options_.middle + std::sqrt(distance * distance - aside.squaredNorm()) * lean.col(2) +
+        aside;
+    return T_target_camera.inverse();
   }
 
  private:
