@@ -67,6 +67,13 @@ inline double chi_square_quantile(double dof, double deviations) {
   return dof * root * root * root;
 }
 
+/// Diameter of the image of a sphere at `p` (camera frame) near an observation [px].
+inline double expected_diameter(const Observation& near, double radius, const Eigen::Vector3d& p) {
+  const double pixels_per_radian =
+      std::sqrt(std::abs(near.to_pixels.row(0).cross(near.to_pixels.row(1)).dot(near.bearing)));
+  return 2.0 * radius / p.norm() * pixels_per_radian;
+}
+
 /// Gathers fits of one target among one image's blobs.
 class FitSearch {
  public:
@@ -162,9 +169,7 @@ class FitSearch {
   }
   bool size_fits(const Observation& blob, const Eigen::Vector3d& p) const {
     if (blob.diameter <= 0.0 || target_.marker_radius <= 0.0) return true;
-    const double pixels_per_radian =
-        std::sqrt(std::abs(blob.to_pixels.row(0).cross(blob.to_pixels.row(1)).dot(blob.bearing)));
-    const double expected = 2.0 * target_.marker_radius / p.norm() * pixels_per_radian;
+    const double expected = expected_diameter(blob, target_.marker_radius, p);
     // A pixel of edge either way: the images of far markers are small.
     return blob.diameter + 1.0 >= expected / options_.size_ratio &&
            blob.diameter <= expected * options_.size_ratio + 2.0;

@@ -70,6 +70,7 @@ class ImageTracker {
     for (const Blob& b : blobs) {
       all.push_back(observe(camera_, b.center, b.diameter));
       all.back().merged = b.merged;
+      all.back().elongated = b.roundness < 0.85;
     }
     return all;
   }

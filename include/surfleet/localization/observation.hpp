@@ -19,8 +19,9 @@ struct Observation {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< [px]
   Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();
   Eigen::Matrix<double, 2, 3> to_pixels = Eigen::Matrix<double, 2, 3>::Zero();
-  double diameter = 0.0;  ///< Of the marker's image [px]; 0: unknown.
-  bool merged = false;    ///< No disc: perhaps two markers, one partly before the other.
+  double diameter = 0.0;   ///< Of the marker's image [px]; 0: unknown.
+  bool elongated = false;  ///< Not quite round: perhaps two markers that nearly coincide.
+  bool merged = false;     ///< No disc: perhaps two markers, one partly before the other.
 };
 
 /// The observation of a marker at a pixel. O(1): five rays.

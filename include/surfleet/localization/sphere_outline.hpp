@@ -59,9 +59,11 @@ std::vector<Observation> without_sphere_offsets(const Camera& camera,
                                                 const Pose& T_camera_target, double radius) {
   std::vector<Observation> out(seen.begin(), seen.end());
   if (radius <= 0.0) return out;
-  for (std::size_t i = 0; i < out.size(); ++i)
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (out[i].merged) continue;  // rougher than that
     if (const auto offset = sphere_outline_offset(camera, T_camera_target * points[i], radius))
       out[i] = observe(camera, seen[i].pixel - *offset, seen[i].diameter);
+  }
   return out;
 }
 }  // namespace surfleet

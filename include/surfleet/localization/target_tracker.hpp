@@ -37,6 +37,7 @@ struct TrackerOptions {
   std::size_t max_hypotheses = 8;  ///< Poses followed while it is ambiguous which is right.
   double speed_change = 0.1;       ///< From frame to frame, for three markers and coasting [m/s].
   double turn_change = 0.3;        ///< The same of rotation [rad/s].
+  double merged_noise = 1.5;       ///< Error of the centre of two markers in one blob [px].
   double roi_margin = 40.0;        ///< About the predicted markers [px].
 };
 
@@ -44,7 +45,7 @@ struct TrackerOptions {
 struct TrackedFrame {
   TrackState state = TrackState::start_up;
   std::vector<TargetFit> fits;  ///< One if tracked or coasting, all if ambiguous, else none.
-  bool three_markers = false;   ///< Only three were seen: right if the prediction was.
+  bool three_markers = false;   ///< Fewer than four were seen apart: right if the prediction was.
 };
 
 /// Follows one target in the blobs of successive frames.
@@ -174,7 +175,7 @@ class TargetTracker {
     double gate = options.gate;
     for (int round = 0; round < 3; ++round) {
       assign(fit.T_camera_target, blobs, gate, fit);
-      if (fit.matches < 4) return std::nullopt;
+      if (fit.matches < 4 || shares(fit.blob_of_marker)) return std::nullopt;
       if (!refine(fit, blobs, true)) {
         if (round > 0) return std::nullopt;
         return drop_worst(fit, blobs);
@@ -191,6 +192,11 @@ class TargetTracker {
     TargetFit fit;
     fit.T_camera_target = predicted;
     assign(predicted, blobs, options.gate, fit);
+    const bool shared = shares(fit.blob_of_marker);
+    if (fit.matches > 3 && shared) {
+      if (!with_prior(time, predicted, blobs, fit)) return std::nullopt;
+      return fit;
+    }
     if (fit.matches > 3) {  // of which one is a stranger: the three that fit best
       std::optional<TargetFit> best;
       for (std::size_t m = 0; m < fit.blob_of_marker.size() && fit.matches == 4; ++m) {
@@ -213,8 +219,7 @@ class TargetTracker {
         f[k] = blobs[static_cast<std::size_t>(b)].bearing;
         p[k++] = target_.markers[m];
       }
-    const bool apart = f[0] != f[1] && f[0] != f[2] && f[1] != f[2];
-    if (blobs.size() > 3 && apart) {
+    if (blobs.size() > 3 && !shared) {
       detail::FitSearch search(blobs, target_, options.identify);
       for (const Pose& T : LambdaTwistP3p{}(f, p))
         search.consider(T, fit.blob_of_marker, options.identify.gate);
@@ -232,7 +237,8 @@ class TargetTracker {
   bool with_prior(double time, const Pose& predicted, std::span<const Observation> blobs,
                   TargetFit& fit) const {
     const double sigma = options.identify.pixel_noise;
-    const Matrix6 covariance = covariance_ + drift(time - time_);
+    // A prediction from two poses is less sure than each.
+    const Matrix6 covariance = 2.0 * covariance_ + drift(time - last_seen_);
     const PosePrior prior{predicted, sigma * sigma * covariance.ldlt().solve(Matrix6::Identity())};
     fit.T_camera_target = predicted;
     if (!refine(fit, blobs, false, &prior)) return false;
@@ -302,7 +308,14 @@ class TargetTracker {
         const Observation& o = blobs[static_cast<std::size_t>(b)];
         const Eigen::Vector2d apart =
             pixels_off(o, T * target_.markers[m]) - pixels_off(o, T * target_.markers[other]);
-        if (!(o.diameter > 0.0 && apart.norm() < o.diameter + 2.0)) continue;
+        // It holds two if it is larger than one, or if they nearly coincide.
+        const double expected =
+            target_.marker_radius > 0.0
+                ? detail::expected_diameter(o, target_.marker_radius, T * target_.markers[m])
+                : o.diameter;
+        const bool large = o.merged || o.elongated || o.diameter > 1.1 * expected + 0.5;
+        const double reach = large ? o.diameter + 2.0 : 0.35 * o.diameter;
+        if (!(o.diameter > 0.0 && apart.norm() < reach)) continue;
         fit.blob_of_marker[m] = b;
         ++fit.matches;
         break;
@@ -311,6 +324,11 @@ class TargetTracker {
   }
   static std::ptrdiff_t sharing(const std::vector<int>& blob_of_marker, int blob) {
     return std::count(blob_of_marker.begin(), blob_of_marker.end(), blob);
+  }
+  static bool shares(const std::vector<int>& blob_of_marker) {
+    return std::any_of(blob_of_marker.begin(), blob_of_marker.end(), [&](int b) {
+      return b != TargetFit::kUnseen && sharing(blob_of_marker, b) > 1;
+    });
   }
   /// From a blob to where a point of the camera frame is seen [px].
   static Eigen::Vector2d pixels_off(const Observation& o, const Eigen::Vector3d& p) {
@@ -332,7 +350,10 @@ class TargetTracker {
             middle += 0.5 * pixels_off(seen.back(), fit.T_camera_target * target_.markers[k]);
         const Eigen::Vector2d own =
             pixels_off(seen.back(), fit.T_camera_target * target_.markers[m]);
+        const double rough = std::max(options.merged_noise, options.identify.pixel_noise);
         seen.back() = observe(camera_, seen.back().pixel + own - middle, 0.0);
+        seen.back().merged = true;
+        seen.back().to_pixels *= options.identify.pixel_noise / rough;
       }
     RefinedPose refined =
         refine_pose(seen, points, fit.T_camera_target, options.identify.refine, prior);
@@ -367,7 +388,7 @@ class TargetTracker {
     return std::max(most, turned > radians(40.0) ? 1e3 : 0.0);
   }
   TrackedFrame accept(double time, TargetFit fit) {
-    const bool three = fit.matches < 4;
+    const bool three = fit.matches < 4 || shares(fit.blob_of_marker);
     stamp(time, TrackState::tracked);
     if (was_tracked_ && time > last_seen_) last_step_ = time - last_seen_;
     history_.push_back({time, fit.T_camera_target});
