@@ -6,11 +6,13 @@
 #include <surfleet/geometry/fwd.hpp>
 
 #include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/camera_models.hpp>
 #include <surfleet/geometry/clean_surface.hpp>
 #include <surfleet/geometry/curvature.hpp>
 #include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
 #include <surfleet/geometry/graph_components.hpp>
+#include <surfleet/geometry/grey_image.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>

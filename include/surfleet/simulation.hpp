@@ -11,6 +11,7 @@
 #include <surfleet/simulation/fly_mission.hpp>
 #include <surfleet/simulation/house.hpp>
 #include <surfleet/simulation/judge.hpp>
+#include <surfleet/simulation/marker_images.hpp>
 #include <surfleet/simulation/mesh_map.hpp>
 #include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/planar_environments.hpp>
@@ -24,4 +25,5 @@
 #include <surfleet/simulation/steam_chest.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
 #include <surfleet/simulation/surfaces.hpp>
+#include <surfleet/simulation/target_motions.hpp>
 #include <surfleet/simulation/world_model.hpp>

@@ -9,6 +9,7 @@
 #include <surfleet/evaluation.hpp>
 #include <surfleet/fleet.hpp>
 #include <surfleet/geometry.hpp>
+#include <surfleet/localization.hpp>
 #include <surfleet/mapping.hpp>
 #include <surfleet/motion.hpp>
 #include <surfleet/planning.hpp>

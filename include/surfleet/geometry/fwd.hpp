@@ -4,6 +4,7 @@
 #pragma once
 
 namespace surfleet {
+struct AnyCamera;
 struct BoundaryPoint;
 class BoxSolid;
 class Bvh;
@@ -11,10 +12,12 @@ struct ClosestPoint;
 struct Curvature;
 struct DepthImage;
 struct EdgeGeodesic;
+struct EquidistantCamera;
 struct EuclideanMetric;
 struct FaceGeodesic;
 class GeodesicField;
 class Graph;
+struct GreyImage;
 class HalfEdges;
 struct HalfPlane;
 class KdTree;
@@ -28,6 +31,7 @@ struct Polygon;
 class PolygonClipper;
 class PolygonGeodesics;
 struct Prism;
+struct RadialTangentialCamera;
 struct RayHit;
 struct ShortestPaths;
 class TextScanner;

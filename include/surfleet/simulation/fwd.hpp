@@ -5,8 +5,13 @@
 
 namespace surfleet {
 struct BumpySlopeOptions;
+class CameraMotion;
+struct CameraMotionOptions;
 struct DroneWorldOptions;
+struct ImageDisc;
 struct JudgeReport;
+class MarkerImages;
+struct MarkerImageOptions;
 struct MissionOptions;
 struct MissionProgress;
 struct MissionResult;
