@@ -8,6 +8,7 @@ struct BumpySlopeOptions;
 struct DroneWorldOptions;
 struct JudgeReport;
 struct MissionOptions;
+struct MissionPreset;
 struct MissionProgress;
 struct MissionResult;
 struct NoNoise;
