@@ -22,6 +22,7 @@
 #include <surfleet/simulation/random_scene.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
+#include <surfleet/viewpoint/viewpoint_merging.hpp>
 
 namespace surfleet::examples {
 /// Of a published mission, or of a kind of random scenes. Throws `Error` for another name.

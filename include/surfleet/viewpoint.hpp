@@ -7,6 +7,7 @@
 
 #include <surfleet/viewpoint/coverage_estimate.hpp>
 #include <surfleet/viewpoint/gain.hpp>
+#include <surfleet/viewpoint/incomplete_element.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
 #include <surfleet/viewpoint/left_below.hpp>
 #include <surfleet/viewpoint/left_reason.hpp>
@@ -21,5 +22,7 @@
 #include <surfleet/viewpoint/viewpoint_clustering.hpp>
 #include <surfleet/viewpoint/viewpoint_cover.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
+#include <surfleet/viewpoint/viewpoint_merging.hpp>
+#include <surfleet/viewpoint/viewpoint_predicates.hpp>
 #include <surfleet/viewpoint/visibility.hpp>
 #include <surfleet/viewpoint/worth_around.hpp>

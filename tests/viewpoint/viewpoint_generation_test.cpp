@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
+#include <surfleet/viewpoint/viewpoint_merging.hpp>
 
 #include <algorithm>
 #include <functional>

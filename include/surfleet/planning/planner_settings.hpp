@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include <surfleet/viewpoint/viewpoint_generation.hpp>
+#include <surfleet/viewpoint/viewpoint_merging.hpp>
 
 namespace surfleet {
 /// What planners are made with. Settings of one planner alone are those of its

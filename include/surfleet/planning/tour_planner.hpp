@@ -25,6 +25,7 @@
 #include <surfleet/viewpoint/viewpoint_clustering.hpp>
 #include <surfleet/viewpoint/viewpoint_cover.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
+#include <surfleet/viewpoint/viewpoint_merging.hpp>
 
 namespace surfleet {
 /// Leaves a plan as it is.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Viewpoints for incomplete surface elements, and their merging.
+/// @brief Viewpoints for incomplete surface elements.
 ///
 ///     const auto views = generate_viewpoints(incomplete, states, camera, {.distance = 4.7},
-///     is_free); const auto fewer = merge_viewpoints(views, {.distance = 0.75}, sees_and_is_free);
+///                                            is_free);
 #pragma once
 
 #include <algorithm>
@@ -27,60 +27,10 @@
 #include <surfleet/viewpoint/revealing_look.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/viewpoint.hpp>
+#include <surfleet/viewpoint/viewpoint_predicates.hpp>
 #include <surfleet/viewpoint/visibility.hpp>
 
 namespace surfleet {
-/// What generation asks about a configuration: `p(q)` is true if the robot may be there. Asked both
-/// for "free" and for "reachable". Pure.
-template <typename P>
-concept ConfigurationPredicate = requires(const P& p, const Configuration& q) {
-  { p(q) } -> std::convertible_to<bool>;
-};
-/// Any configuration will do, and any line of sight.
-struct AlwaysTrue {
-  bool operator()(const Configuration& /*q*/) const { return true; }
-  bool operator()(const IncompleteElement& /*e*/, const Eigen::Vector3d& /*direction*/) const {
-    return true;
-  }
-};
-/// What generation asks about a line of sight: `p(e, direction)` is true if a look at the element
-/// from there, the unit vector from it to the camera, may show something new. Pure.
-template <typename P>
-concept LookPredicate = requires(const P& p, const IncompleteElement& e,
-                                 const Eigen::Vector3d& direction) {
-  { p(e, direction) } -> std::convertible_to<bool>;
-};
-/// Free where every voxel whose centre is within `radius` [m] is known to be empty, and the voxel
-/// that holds the position itself.
-struct EmptyBall {
-  const VoxelStateMap* map;
-  double radius = 0.0;
-  bool operator()(const Configuration& q) const {
-    VoxelStateMap::Accessor state(*map);
-    const VoxelStateMap::Grid& grid = map->grid();
-    if (state(grid.index_of(q.position)) != VoxelState::empty) return false;
-    const Eigen::Vector3d r = Eigen::Vector3d::Constant(radius);
-    for (int axis = 0; axis < 3; ++axis) {  // what is not free mostly shows at the far ends
-      const double reach = std::max(0.0, radius - 0.87 * grid.voxel_size());
-      for (const double side : {-reach, reach}) {
-        const Point3 p = q.position + side * Eigen::Vector3d::Unit(axis);
-        if (state(grid.index_of(p)) != VoxelState::empty) return false;
-      }
-    }
-    const VoxelIndex low = grid.index_of(q.position - r), high = grid.index_of(q.position + r);
-    for (int z = low.z(); z <= high.z(); ++z)
-      for (int y = low.y(); y <= high.y(); ++y)
-        for (int x = low.x(); x <= high.x(); ++x) {
-          const VoxelIndex v(x, y, z);
-          if ((grid.center(v) - q.position).squaredNorm() <= radius * radius &&
-              state(v) != VoxelState::empty)
-            return false;
-        }
-    return true;
-  }
-};
-static_assert(ConfigurationPredicate<AlwaysTrue> && ConfigurationPredicate<EmptyBall>);
-
 struct ViewpointOptions {
   double distance = 4.7;       ///< δ_pose: from the element to the camera [m].
   double min_distance = 0.0;   ///< Nearest that is tried [m]; 0: the camera's nearest depth.
@@ -379,103 +329,4 @@ ViewpointSet generate_viewpoints(const BasicIncompleteSurface<U, O, D>& incomple
   const VoxelStateMap states(map, {.known_weight = incomplete.options().known_weight});
   return generate_viewpoints(incomplete, states, camera, options);
 }
-
-struct MergeOptions {
-  double distance = 0.75;    ///< ε: positions at most this far apart are merged [m].
-  double cos_angle = 0.966;  ///< Least cosine between viewing directions that are merged (15°).
-};
-
-/// Merges viewpoints that nearly coincide by averaging positions and headings [000 §2.4.2].
-///
-/// In order, each viewpoint joins the nearest group whose first member is within ε and looks
-/// nearly the same way, if `accept(merged)` holds for what the group becomes; else it starts a
-/// group of its own. So what was acceptable stays acceptable: pass a predicate that asks whether
-/// the pose is free, and, where that matters, whether its targets are seen (`SeesTargets`).
-/// Directions count with their sign: looking two opposite ways is not one view. Targets are
-/// united. About O(viewpoints).
-template <typename Accept>
-requires std::predicate<const Accept&, const Viewpoint&> std::vector<Viewpoint> merge_viewpoints(
-    std::span<const Viewpoint> views, const MergeOptions& options, const Accept& accept) {
-  require(options.distance >= 0.0 && std::isfinite(options.distance),
-          "merging distance: expected a length of zero or more");
-  struct Group {
-    Eigen::Vector3d position_sum, direction_sum;
-    Eigen::Vector2d heading_sum;
-    double count;
-  };
-  std::vector<Viewpoint> merged;
-  std::vector<Group> groups;
-  std::vector<Eigen::Vector3d> first_direction;
-  std::vector<double> first_yaw;
-  detail::PointCells cells(std::max(options.distance, 1e-3));
-  std::vector<std::pair<double, std::int32_t>> near;
-  for (const Viewpoint& view : views) {
-    const Configuration& q = view.configuration;
-    near.clear();
-    cells.for_each_within(q.position, options.distance, [&](std::int32_t id, double d2) {
-      const auto g = static_cast<std::size_t>(id);
-      if (first_direction[g].dot(view.direction) >= options.cos_angle &&
-          std::cos(first_yaw[g] - q.yaw) >= options.cos_angle)
-        near.emplace_back(d2, id);
-    });
-    std::sort(near.begin(), near.end());
-    const Eigen::Vector2d heading(std::cos(q.yaw), std::sin(q.yaw));
-    bool joined = false;
-    for (const auto& [d2, id] : near) {
-      const auto g = static_cast<std::size_t>(id);
-      Group grown = groups[g];
-      grown.position_sum += q.position;
-      grown.direction_sum += view.direction;
-      grown.heading_sum += heading;
-      grown.count += 1.0;
-      Viewpoint candidate;
-      candidate.configuration.position = grown.position_sum / grown.count;
-      candidate.configuration.yaw = std::atan2(grown.heading_sum.y(), grown.heading_sum.x());
-      candidate.direction = grown.direction_sum.normalized();
-      std::set_union(merged[g].targets.begin(), merged[g].targets.end(), view.targets.begin(),
-                     view.targets.end(), std::back_inserter(candidate.targets));
-      if (!accept(static_cast<const Viewpoint&>(candidate))) continue;
-      groups[g] = grown;
-      merged[g] = std::move(candidate);
-      joined = true;
-      break;
-    }
-    if (joined) continue;
-    cells.insert(q.position, static_cast<std::int32_t>(merged.size()));
-    merged.push_back(view);
-    groups.push_back({q.position, view.direction, heading, 1.0});
-    first_direction.push_back(view.direction);
-    first_yaw.push_back(q.yaw);
-  }
-  return merged;
-}
-/// The same where every merged pose is welcome.
-inline std::vector<Viewpoint> merge_viewpoints(std::span<const Viewpoint> views,
-                                               const MergeOptions& options = {}) {
-  return merge_viewpoints(views, options, [](const Viewpoint&) { return true; });
-}
-
-/// Whether a viewpoint's pose is free and it reveals each of its targets. For `merge_viewpoints`.
-/// The map and the elements must outlive it.
-template <ConfigurationPredicate IsFree>
-struct SeesTargets {
-  std::span<const IncompleteElement> elements;
-  const VoxelStateMap* map;
-  ViewFrustum frustum;
-  IsFree is_free;
-  SightOptions sight = {};
-
-  bool operator()(const Viewpoint& view) const {
-    if (!is_free(view.configuration)) return false;
-    const ViewFrustum::Placed placed = frustum.at(view.configuration);
-    LineOfSight line(*map, sight);
-    return std::all_of(view.targets.begin(), view.targets.end(), [&](std::int32_t t) {
-      const IncompleteElement& e = elements[static_cast<std::size_t>(t)];
-      return reveals(placed, e, line);
-    });
-  }
-};
-template <typename IsFree>
-SeesTargets(std::span<const IncompleteElement>, const VoxelStateMap*, ViewFrustum, IsFree)
-    -> SeesTargets<IsFree>;
 }  // namespace surfleet
