@@ -26,7 +26,7 @@ concept UtilityPolicy = std::copyable<U> && requires(const U& u, double x) {
   { u(x, x, x) } -> std::convertible_to<double>;
 };
 
-/// f = g exp(−λ_tc travel − λ_ic inside) [000 eq. 2.3]. The defaults are the power plant's.
+/// f = g exp(−λ_tc travel − λ_ic inside) [000 eq. 2.3]. The defaults are those of [000 Table 2.1].
 struct ExponentialUtility {
   double lambda_tc = 0.3;   ///< Penalty of travel between clusters [1/m].
   double lambda_ic = 0.03;  ///< Penalty of travel inside a cluster [1/m].
