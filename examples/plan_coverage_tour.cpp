@@ -53,10 +53,10 @@ int run(int argc, char** argv) {
   s.robots = 1;
   require(plan.coverage > 0.0 && plan.coverage <= 1.0, "--coverage: expected a share in (0, 1]");
   if (standoff) {
-    require(*standoff > s.range[0], "--standoff: expected more than the nearest depth of --range");
+    require(*standoff > s.nearest, "--standoff: expected more than the nearest depth of --range");
     plan.max_range = *standoff;
   }
-  const double farthest = std::min(s.range[1], standoff.value_or(s.range[1]));
+  const double farthest = std::min(s.farthest, standoff.value_or(s.farthest));
   if (hold) require(*hold >= 0.0, "--hold: expected 0 or more seconds");
   if (density) require(*density > 0.0, "--density: expected a positive number");
   InspectionSite site(open_scene(s), s);

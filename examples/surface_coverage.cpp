@@ -23,13 +23,11 @@
 #include <surfleet/evaluation/report.hpp>
 #include <surfleet/evaluation/trajectory_io.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
-#include <surfleet/geometry/mesh_primitives.hpp>
-#include <surfleet/simulation/steam_chest.hpp>
-#include <surfleet/simulation/surfaces.hpp>
 
 #include "support/cli.hpp"
 #include "support/peak_memory.hpp"
 #include "support/stopwatch.hpp"
+#include "support/surface_scene.hpp"
 
 namespace {
 using namespace surfleet;
@@ -52,9 +50,7 @@ Settings settings(int argc, char** argv) {
       "A group of robots divides a curved surface among themselves, and each sweeps its part.\n"
       "Writes metrics.json, regions.ply, sweep_regions.ply, sweep_K.tum, pictures and report.html "
       "to --out.\nExit status: 0 done, 2 input refused, 3 ended early.");
-  app.add("--scene", s.scene,
-          "bumpy_slope, bumpy_slope_hole, sphere, torus, steam_chest, or a mesh file "
-          "(.ply .obj .stl .off)");
+  app.add("--scene", s.scene, examples::kSurfaceScenes);
   app.add("--edge", s.edge, "edge length of a bundled scene [m]; 0: its own default");
   app.add("--robots", s.robots, "how many");
   app.add("--starts", s.starts, "where they start: X Y Z for each [m]; else at random");
@@ -121,25 +117,6 @@ std::vector<RobotEvent> robot_events(const Settings& s) {
     events.push_back(event);
   }
   return events;
-}
-
-TriangleMesh scene(const Settings& s) {
-  const auto edge = [&](double otherwise) { return s.edge > 0.0 ? s.edge : otherwise; };
-  if (s.scene == "bumpy_slope") return bumpy_slope({.edge = edge(0.05)});
-  if (s.scene == "bumpy_slope_hole") return bumpy_slope({.edge = edge(0.05), .hole = true});
-  if (s.scene == "steam_chest") return steam_chest(edge(0.04));
-  if (s.scene == "sphere") {
-    require(edge(0.07) > 0.004, "--edge: expected more than 4 mm on the sphere");
-    return make_sphere(Point3::Zero(), 1.0,
-                       std::max(0, static_cast<int>(std::lround(std::log2(1.1 / edge(0.07))))));
-  }
-  if (s.scene == "torus") {
-    require(edge(0.065) > 0.004, "--edge: expected more than 4 mm on the torus");
-    return make_torus(Point3::Zero(), 1.0, 0.4,
-                      std::max(3, static_cast<int>(std::lround(2.0 * kPi / edge(0.065)))),
-                      std::max(3, static_cast<int>(std::lround(0.8 * kPi / edge(0.065)))));
-  }
-  return read_mesh(s.scene);
 }
 
 TriangleMesh largest_component(const TriangleMesh& mesh) {
@@ -310,7 +287,7 @@ int run(int argc, char** argv) {
   const auto seconds = [&] { return examples::seconds_since(begin); };
   const Settings s = settings(argc, argv);
   SurfaceDefects defects;
-  TriangleMesh mesh = clean_surface(scene(s), &defects);
+  TriangleMesh mesh = clean_surface(examples::surface_scene(s.scene, s.edge), &defects);
   if (s.largest) mesh = largest_component(mesh);
   const auto number = static_cast<std::size_t>(s.robots);
   const std::vector<RobotEvent> events = robot_events(s);

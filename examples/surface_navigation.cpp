@@ -16,13 +16,11 @@
 #include <surfleet/coverage/covering_strip.hpp>
 #include <surfleet/evaluation/rasterizer.hpp>
 #include <surfleet/evaluation/report.hpp>
+#include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/evaluation/trajectory_io.hpp>
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/clean_surface.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
-#include <surfleet/geometry/mesh_primitives.hpp>
-#include <surfleet/simulation/steam_chest.hpp>
-#include <surfleet/simulation/surfaces.hpp>
 #include <surfleet/surface/drive_path.hpp>
 #include <surfleet/surface/geodesic_strip.hpp>
 #include <surfleet/surface/strip_search.hpp>
@@ -30,6 +28,7 @@
 #include "support/cli.hpp"
 #include "support/peak_memory.hpp"
 #include "support/stopwatch.hpp"
+#include "support/surface_scene.hpp"
 
 namespace {
 using namespace surfleet;
@@ -51,8 +50,7 @@ Settings settings(int argc, char** argv) {
       "triangles, a taut path in it, a vector field or a tracked reference.\nWrites metrics.json, "
       "surface.ply, strip.ply, path.tum, driven.tum, a picture and report.html to --out.\n"
       "Exit status: 0 done, 2 input refused, 3 a goal was not reached.");
-  app.add("--scene", s.scene,
-          "bumpy_slope, torus, steam_chest, or a mesh file (.ply .obj .stl .off)");
+  app.add("--scene", s.scene, examples::kSurfaceScenes);
   app.add("--edge", s.edge, "edge length of a bundled scene [m]; 0: its own default");
   app.add("--start", s.start, "X Y Z [m], on the nearest triangle; else one end of the scene");
   app.add("--goal", s.goal, "X Y Z [m] of each goal, in order; else the other end");
@@ -93,19 +91,6 @@ Settings settings(int argc, char** argv) {
   return s;
 }
 
-TriangleMesh scene(const Settings& s) {
-  const auto edge = [&](double otherwise) { return s.edge > 0.0 ? s.edge : otherwise; };
-  if (s.scene == "bumpy_slope") return bumpy_slope({.edge = edge(0.05)});
-  if (s.scene == "steam_chest") return steam_chest(edge(0.04));
-  if (s.scene == "torus") {
-    require(edge(0.065) > 0.004, "--edge: expected more than 4 mm on the torus");
-    return make_torus(Point3::Zero(), 1.0, 0.4,
-                      std::max(3, static_cast<int>(std::lround(2.0 * kPi / edge(0.065)))),
-                      std::max(3, static_cast<int>(std::lround(0.8 * kPi / edge(0.065)))));
-  }
-  return read_mesh(s.scene);
-}
-
 /// 0 or infinite for every triangle; empty where no file is given.
 std::vector<double> blocked_triangles(const Settings& s, const TriangleMesh& mesh) {
   if (s.blocked.empty()) return {};
@@ -126,8 +111,8 @@ std::vector<double> blocked_triangles(const Settings& s, const TriangleMesh& mes
 /// One goal: how it was planned for and driven to.
 struct Leg {
   std::optional<SurfacePath> path;
-  std::string reason;  ///< Why it was not reached; empty if it was.
-  double planned = 0.0, driven = 0.0, graph = 0.0;
+  std::string reason;                  ///< Why it was not reached; empty if it was.
+  double planned = 0.0, driven = 0.0;  ///< [m]
   std::size_t breaks = 0, shared = 0, left = 0;
 };
 
@@ -137,7 +122,6 @@ struct Journey {
   std::vector<std::int32_t> strip;
   std::vector<double> errors;  ///< Of tracking [m].
   double planning = 0.0;       ///< [s]
-  std::size_t covered = 0;     ///< Triangles entered.
 };
 
 class Navigation {
@@ -169,7 +153,6 @@ class Navigation {
         return leg;
       }
       strip = found->triangles;
-      leg.graph = found->cost;
     }
     // A strip that was chosen for its cost is kept.
     const bool weighted = s_.curvature > 0.0 || s_.turn > 0.0 || s_.slope > 0.0;
@@ -261,7 +244,7 @@ int run(int argc, char** argv) {
   const auto begin = examples::Clock::now();
   const Settings s = settings(argc, argv);
   SurfaceDefects defects;
-  const TriangleMesh mesh = clean_surface(scene(s), &defects);
+  const TriangleMesh mesh = clean_surface(examples::surface_scene(s.scene, s.edge), &defects);
   require(s.blocked.empty() || defects.removed_triangles == 0,
           "--blocked: the mesh has triangles without area or said twice, so numbers would not "
           "match; expected a clean mesh");
@@ -280,8 +263,7 @@ int run(int argc, char** argv) {
   // The ends of the longest side.
   const Box3 box = mesh.bounds();
   const auto end = [&](double share) {
-    const auto at = nearest_surface_point(mesh, bvh, box.center() + (share - 0.5) * box.sizes());
-    return *at;
+    return *nearest_surface_point(mesh, bvh, box.center() + (share - 0.5) * box.sizes());
   };
   const SurfacePoint start =
       s.start.empty() ? end(0.1) : place({s.start[0], s.start[1], s.start[2]}, "--start");
@@ -352,7 +334,7 @@ int run(int argc, char** argv) {
     }
   }
 
-  double planned = 0.0, driven = 0.0, square = 0.0, worst = 0.0;
+  double planned = 0.0, driven = 0.0;
   std::size_t breaks = 0, shared = 0, left = 0;
   nlohmann::json unreached = nlohmann::json::array();
   for (std::size_t g = 0; g < journey.legs.size(); ++g) {
@@ -364,14 +346,11 @@ int run(int argc, char** argv) {
     left += leg.left;
     if (!leg.reason.empty()) unreached.push_back({{"goal", g}, {"reason", leg.reason}});
   }
-  for (const double e : journey.errors) {
-    square += e * e;
-    worst = std::max(worst, e);
-  }
   const bool all = unreached.empty() && !cli::interrupted();
   const nlohmann::json none;
   const bool tracked = !journey.errors.empty();
-  const double rms = tracked ? std::sqrt(square / static_cast<double>(journey.errors.size())) : 0.0;
+  const double rms = moments(journey.errors).root_mean_square();
+  const double worst = summarize(journey.errors).maximum;
   std::vector<std::uint8_t> entered(mesh.triangles.size(), 0), on_strip(mesh.triangles.size(), 0);
   for (const std::int32_t t : journey.strip) entered[static_cast<std::size_t>(t)] = 1;
   for (const std::int32_t t : planned_strip) on_strip[static_cast<std::size_t>(t)] = 1;
@@ -436,24 +415,21 @@ int run(int argc, char** argv) {
   }
   const Bytes png = encode_png(picture.image());
   write_file(out / "path.png", png);
-  const auto text = [](double v, int digits) {
-    char buffer[64];
-    std::snprintf(buffer, sizeof buffer, "%.*f", digits, v);
-    return std::string(buffer);
-  };
   Report report("Surface navigation: " + s.scene,
                 s.robot + " over " + std::to_string(mesh.triangles.size()) + " triangles");
   std::vector<KeyFigure> figures{
-      {"Path", text(planned, 3) + " m", std::to_string(journey.legs.size()) + " leg(s)"},
-      {"Driven", text(driven, 3) + " m",
-       planned > 0.0 ? text(driven / planned, 3) + " times the path" : "nothing to drive"},
+      {"Path", format_number(planned, 3) + " m", std::to_string(journey.legs.size()) + " leg(s)"},
+      {"Driven", format_number(driven, 3) + " m",
+       planned > 0.0 ? format_number(driven / planned, 3) + " times the path" : "nothing to drive"},
       {"Goals", all ? "reached" : "not all reached",
        std::to_string(left) + " times off the strip, " + std::to_string(breaks) + " field breaks"},
-      {"Planning", text(1000.0 * journey.planning, 1) + " ms", "without preparing the surface"}};
+      {"Planning", format_number(1000.0 * journey.planning, 1) + " ms",
+       "without preparing the surface"}};
   if (tracked)
-    figures.push_back(
-        {"Tracking", text(100.0 * rms, 2) + " cm rms", text(100.0 * worst, 2) + " cm at worst"});
-  if (s.cover) figures.push_back({"Covered", text(100.0 * covered, 1) + " %", "of the triangles"});
+    figures.push_back({"Tracking", format_number(100.0 * rms, 2) + " cm rms",
+                       format_number(100.0 * worst, 2) + " cm at worst"});
+  if (s.cover)
+    figures.push_back({"Covered", format_number(100.0 * covered, 1) + " %", "of the triangles"});
   report.add_key_figures(figures);
   report.add_picture(png, "The planned path (blue) and what was driven (red), from black to green");
   if (!unreached.empty()) {

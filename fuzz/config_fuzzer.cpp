@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     app.parse_config(file);
     const examples::InspectionSettings s = options.settle();
-    if (s.robots < 1 || s.robots > 64 || !(s.voxel >= 0.01) || !(s.range[1] > s.range[0]))
+    if (s.robots < 1 || s.robots > 64 || !(s.voxel >= 0.01) || !(s.farthest > s.nearest))
       std::abort();
   } catch (const Error&) {
   }

@@ -44,7 +44,7 @@ int run(int argc, char** argv) {
     const CoverageTour tour = planner.plan(o);
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-    const FlownTour flown = fly_known_tour(tour, s, site, start, hold_for(s, s.range[1]));
+    const FlownTour flown = fly_known_tour(tour, s, site, start, hold_for(s, s.farthest));
     const nlohmann::json line{{"scene", site.scene.name},
                               {"asked", coverage},
                               {"surface_coverage", flown.evaluation.metrics.surface_coverage},

@@ -6,16 +6,16 @@
 //
 //   geodesic_errors [--vertices 43000] [--sources 20] [--no-exact]
 #include <CGAL/Heat_method_3/Surface_mesh_geodesic_distances_3.h>
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_shortest_path.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
+
+#include "cgal_mesh.hpp"
+#include "support/stopwatch.hpp"
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/geometry/geodesic.hpp>
@@ -24,19 +24,10 @@
 
 namespace {
 using namespace surfleet;
-using Kernel = CGAL::Simple_cartesian<double>;
-using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using namespace surfleet::examples;
+using Kernel = benchmarks::CgalKernel;
+using Mesh = benchmarks::CgalMesh;
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-Mesh converted(const TriangleMesh& mesh) {
-  Mesh out;
-  for (const Point3& p : mesh.vertices) out.add_vertex({p.x(), p.y(), p.z()});
-  const auto id = [](std::int32_t v) { return Mesh::Vertex_index(static_cast<unsigned>(v)); };
-  for (const Triangle& t : mesh.triangles) out.add_face(id(t[0]), id(t[1]), id(t[2]));
-  return out;
-}
 struct Errors {
   double mean = 0.0, worst = 0.0, below = 0.0;
 };
@@ -61,7 +52,7 @@ Errors compare(const TriangleMesh& mesh, const std::vector<double>& exact,
 }
 
 void measure(const char* name, const TriangleMesh& mesh, int many, bool exact_too, bool last) {
-  const Mesh cgal = converted(mesh);
+  const Mesh cgal = benchmarks::cgal_mesh(mesh);
   Random random(7);
   std::vector<std::int32_t> one{static_cast<std::int32_t>(mesh.vertices.size() / 3)}, several;
   for (int k = 0; k < many; ++k)
@@ -70,13 +61,13 @@ void measure(const char* name, const TriangleMesh& mesh, int many, bool exact_to
     std::vector<double> exact;
     if (!exact_too) return exact;
     using Traits = CGAL::Surface_mesh_shortest_path_traits<Kernel, Mesh>;
-    const double begin = seconds();
+    const auto begin = Clock::now();
     CGAL::Surface_mesh_shortest_path<Traits> paths(cgal);
     for (const std::int32_t s : sources)
       paths.add_source_point(Mesh::Vertex_index(static_cast<unsigned>(s)));
     for (const auto v : cgal.vertices())
       exact.push_back(paths.shortest_distance_to_source_points(v).first);
-    took = seconds() - begin;
+    took = seconds_since(begin);
     return exact;
   };
   double exact_time = 0.0, exact_time_many = 0.0;
@@ -95,12 +86,12 @@ void measure(const char* name, const TriangleMesh& mesh, int many, bool exact_to
         end ? "" : ",");
   };
   const auto ours = [&](const char* method, const auto& policy) {
-    double begin = seconds();
+    auto begin = Clock::now();
     const Graph graph = policy(mesh, EuclideanMetric{});
-    const double setup = seconds() - begin;
-    begin = seconds();
+    const double setup = seconds_since(begin);
+    begin = Clock::now();
     const auto a = shortest_paths(graph, one[0]);
-    const double search = seconds() - begin;
+    const double search = seconds_since(begin);
     std::vector<Source> sources;
     for (const std::int32_t s : several) sources.push_back({s, 0.0});
     const auto b = shortest_paths(graph, std::span<const Source>(sources));
@@ -110,9 +101,9 @@ void measure(const char* name, const TriangleMesh& mesh, int many, bool exact_to
   ours("faces 1", FaceGeodesic{1});
   ours("faces 2", FaceGeodesic{2});
   ours("faces 3", FaceGeodesic{3});
-  double begin = seconds();
+  auto begin = Clock::now();
   CGAL::Heat_method_3::Surface_mesh_geodesic_distances_3<Mesh> heat(cgal);
-  const double setup = seconds() - begin;
+  const double setup = seconds_since(begin);
   auto map = cgal.property_map<Mesh::Vertex_index, double>("v:none").first;
   Mesh copy = cgal;
   map = copy.add_property_map<Mesh::Vertex_index, double>("v:distance", 0.0).first;
@@ -120,9 +111,9 @@ void measure(const char* name, const TriangleMesh& mesh, int many, bool exact_to
     heat.clear_sources();
     for (const std::int32_t s : sources)
       heat.add_source(Mesh::Vertex_index(static_cast<unsigned>(s)));
-    const double start = seconds();
+    const auto start = Clock::now();
     heat.estimate_geodesic_distances(map);
-    took = seconds() - start;
+    took = seconds_since(start);
     std::vector<double> d;
     for (const auto v : copy.vertices()) d.push_back(map[v]);
     return d;

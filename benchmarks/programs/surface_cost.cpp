@@ -5,7 +5,6 @@
 //   surface_cost [--starts 20] [--edge 0.05] [--distance edges|faces] [--searches 8]
 //                [--search-rounds 300] [--bound 600] [--perturbations 40] [--robots 5,10,20]
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -13,16 +12,15 @@
 #include <string>
 #include <vector>
 
+#include "support/stopwatch.hpp"
+
 #include <surfleet/coverage/p_median_bound.hpp>
 #include <surfleet/coverage/surface_coverage.hpp>
 #include <surfleet/simulation/surfaces.hpp>
 
 namespace {
 using namespace surfleet;
-
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+using namespace surfleet::examples;
 
 struct Outcome {
   std::vector<double> cost;
@@ -36,7 +34,7 @@ void deploy(const TriangleMesh& mesh, const SurfaceGraph& yardstick, std::size_t
   const SurfaceGraph sites = Surface{}(mesh, EdgeGeodesic{});
   SurfaceCoverageOptions options;
   options.seed = seed;
-  const double begin = seconds();
+  const auto begin = Clock::now();
   SurfaceCoverage<Surface, Distance, Coordinator> cover(
       mesh, random_robot_sites(sites, robots, seed), options, coordinator);
   double last = 0.0;
@@ -51,7 +49,7 @@ void deploy(const TriangleMesh& mesh, const SurfaceGraph& yardstick, std::size_t
     whole = all;
     outcome.connected = outcome.connected && cover.connected();
   }
-  outcome.time += seconds() - begin;
+  outcome.time += seconds_since(begin);
   outcome.steps += static_cast<double>(cover.steps());
   outcome.covering = outcome.covering && whole;
   outcome.converged = outcome.converged && cover.converged();

@@ -4,20 +4,21 @@
 // starts, and a tracked robot with a noisy pose. Prints JSON.
 //
 //   surface_strips [--seeds 20] [--first-seed 101] [--pairs 50]
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_shortest_path.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "cgal_mesh.hpp"
+#include "support/stopwatch.hpp"
+
 #include <surfleet/core/random.hpp>
 #include <surfleet/coverage/covering_strip.hpp>
+#include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/geometry/clean_surface.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
 #include <surfleet/simulation/steam_chest.hpp>
@@ -27,21 +28,12 @@
 
 namespace {
 using namespace surfleet;
-using Kernel = CGAL::Simple_cartesian<double>;
-using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using namespace surfleet::examples;
+using Kernel = benchmarks::CgalKernel;
+using Mesh = benchmarks::CgalMesh;
 using Traits = CGAL::Surface_mesh_shortest_path_traits<Kernel, Mesh>;
 using Exact = CGAL::Surface_mesh_shortest_path<Traits>;
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-Mesh converted(const TriangleMesh& mesh) {
-  Mesh out;
-  for (const Point3& p : mesh.vertices) out.add_vertex({p.x(), p.y(), p.z()});
-  const auto id = [](std::int32_t v) { return Mesh::Vertex_index(static_cast<unsigned>(v)); };
-  for (const Triangle& t : mesh.triangles) out.add_face(id(t[0]), id(t[1]), id(t[2]));
-  return out;
-}
 /// A point as CGAL names it: weights from the source of its face's half-edge on.
 Exact::Face_location location(const Mesh& other, const TriangleMesh& mesh, const SurfacePoint& at) {
   const Mesh::Face_index face(static_cast<unsigned>(at.triangle));
@@ -60,14 +52,11 @@ SurfacePoint random_point(const TriangleMesh& mesh, Random& random) {
 struct Figures {
   std::vector<double> values;
   void add(double v) { values.push_back(v); }
-  void print(const char* name) {
-    std::sort(values.begin(), values.end());
-    double sum = 0.0;
-    for (const double v : values) sum += v;
-    const auto n = values.size();
-    if (n == 0) return;
-    std::printf(", \"%s\": {\"mean\": %.5g, \"p95\": %.5g, \"worst\": %.5g}", name,
-                sum / static_cast<double>(n), values[std::min(n - 1, n * 95 / 100)], values[n - 1]);
+  void print(const char* name) const {
+    if (values.empty()) return;
+    const Summary s = summarize(values);
+    std::printf(", \"%s\": {\"mean\": %.5g, \"p95\": %.5g, \"worst\": %.5g}", name, s.mean,
+                s.percentile_95, s.maximum);
   }
 };
 
@@ -75,7 +64,7 @@ void measure(const char* name, const TriangleMesh& mesh, std::uint64_t first, in
              bool exact) {
   const SurfaceWalk walk(mesh);
   const GeodesicStrips strips(walk);
-  const Mesh other = exact ? converted(mesh) : Mesh();
+  const Mesh other = exact ? benchmarks::cgal_mesh(mesh) : Mesh();
   Figures ratio, query, field_ratio, squarely_ratio, rms, worst;
   std::size_t shared = 0, breaks = 0, left = 0, unreached = 0, drives = 0;
   for (int seed = 0; seed < seeds; ++seed) {
@@ -85,9 +74,9 @@ void measure(const char* name, const TriangleMesh& mesh, std::uint64_t first, in
     if (exact) solver.add_source_point(location(other, mesh, start));
     for (int k = 0; k < pairs; ++k) {
       const SurfacePoint goal = random_point(mesh, random);
-      const double begin = seconds();
+      const auto begin = Clock::now();
       const auto path = strips(start, goal);
-      query.add(1000.0 * (seconds() - begin));
+      query.add(1000.0 * (seconds_since(begin)));
       if (!path) {
         ++unreached;
         continue;

@@ -58,7 +58,7 @@ Scene open_scene(const InspectionSettings& s) {
     o.bounds = bounds;
     o.start = start;
     o.ground = s.ground;
-    o.standoff = std::max(s.range[1], 3.0 * s.radius);
+    o.standoff = std::max(s.farthest, 3.0 * s.radius);
     o.radius = s.radius;
     o.margin = s.margin;
     o.start_clearance = s.known_around_start();
@@ -96,7 +96,7 @@ InspectionSite::InspectionSite(Scene s, const InspectionSettings& settings)
   const int height = std::max(12, static_cast<int>(std::lround(settings.image_width * ratio)));
   camera =
       PinholeCamera::from_fov(radians(settings.fov[0]), radians(settings.fov[1]),
-                              settings.image_width, height, settings.range[0], settings.range[1]);
+                              settings.image_width, height, settings.nearest, settings.farthest);
 }
 
 std::vector<Configuration> InspectionSite::starts(const InspectionSettings& settings,
@@ -119,7 +119,7 @@ void InspectionSite::find_reference(const InspectionSettings& settings, const Po
   const ReachableLattice lattice(space.surface(), {.bounds = scene.bounds,
                                                    .start = start,
                                                    .radius = settings.radius,
-                                                   .spacing = 0.1 * settings.range[1],
+                                                   .spacing = 0.1 * settings.farthest,
                                                    .keep_out = scene.keep_out});
   ObservabilityOptions o;
   o.camera = camera;
@@ -171,7 +171,7 @@ TriangleMesh reconstruction_of(const TsdfMap& map, const InspectionSettings& s,
 }
 
 InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
-                             const InspectionProgress& progress) {
+                             const MissionWatch& progress) {
   const std::vector<Configuration> starts = site.starts(s, s.robots);
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.

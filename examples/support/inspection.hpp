@@ -83,11 +83,9 @@ struct InspectionJudgement {
   int keep_out_violations = 0;    ///< Times that a body came into a closed box.
 };
 
-/// Told about once a simulated second; ends the mission by returning false.
-using InspectionProgress = MissionWatch;
 /// `wall_time` leaves out what `progress` takes.
 InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
-                             const InspectionProgress& progress);
+                             const MissionWatch& progress);
 /// The errors of `mesh` against the site's reference, which must have been found.
 ReconstructionEvaluation evaluate_mesh(const InspectionSettings& s, const InspectionSite& site,
                                        const TriangleMesh& mesh);

@@ -18,7 +18,7 @@
 #include <surfleet/geometry/text_scanner.hpp>
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/planning/named_planners.hpp>
-#include <surfleet/planning/presets.hpp>
+#include <surfleet/simulation/presets.hpp>
 #include <surfleet/simulation/random_scene.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
@@ -27,13 +27,12 @@
 namespace surfleet::examples {
 /// Of a published mission, or of a kind of random scenes. Throws `Error` for another name.
 inline MissionPreset preset_by_name(std::string_view name) {
-  if (const RandomSceneSpec* spec = find_random_scene_spec(name)) return spec->preset();
+  if (const RandomSceneSpec* spec = find_random_scene_spec(name)) return spec->preset;
   return published_preset(name, random_scene_kinds());
 }
 
 /// What the command line says. Angles in degrees, as people give them.
 struct InspectionSettings : MissionPreset {
-  std::vector<double> range{nearest, farthest};  ///< As it is given [m].
   std::string scene = "powerplant";
   std::string preset;  ///< Empty: the one that fits the scene's name, else powerplant.
   std::string planner = "surfleet";
@@ -153,7 +152,7 @@ class InspectionOptions {
               "the same from what is unknown [m]; as a rule a voxel");
     }
     app.begin_group("Camera");
-    app.add("--range", settings.range, "nearest and farthest depth [m]").expected(2);
+    app.add("--range", range_, "nearest and farthest depth [m]").expected(2);
     app.add("--fov", settings.fov, "horizontal and vertical field of view [deg]").expected(2);
     app.add("--image-width", settings.image_width, "columns of the depth image [px]");
     app.add("--camera-pitch", settings.camera_pitch, "tilt of the camera, down [deg]");
@@ -206,7 +205,6 @@ class InspectionOptions {
                : given.scene == "statue"      ? "statue"
                                               : "powerplant";
     static_cast<MissionPreset&>(s) = preset_by_name(s.preset);
-    s.range = {s.nearest, s.farthest};
     const auto keep = [&](const std::string& option, auto member) {
       if (app_.was_given(option)) s.*member = given.*member;
     };
@@ -216,7 +214,11 @@ class InspectionOptions {
     keep("--unknown-margin", &InspectionSettings::unknown_margin);
     if (!app_.was_given("--unknown-margin"))
       s.unknown_margin = std::min(s.margin, std::max(s.unknown_margin, s.voxel));
-    keep("--range", &InspectionSettings::range);
+    if (app_.was_given("--range")) {
+      s.nearest = range_[0];
+      s.farthest = range_[1];
+    }
+    range_ = {s.nearest, s.farthest};
     keep("--standoff", &InspectionSettings::standoff);
     keep("--cluster-radius", &InspectionSettings::cluster_radius);
     keep("--lambda-tc", &InspectionSettings::lambda_tc);
@@ -257,7 +259,7 @@ class InspectionOptions {
     require(s.threads >= 1 && s.threads <= 256, "--threads: expected 1 to 256");
     require(s.voxel >= 0.01 && s.voxel <= 10.0,
             "--voxel " + std::to_string(s.voxel) + ": expected 0.01 to 10 m");
-    require(s.range[0] >= 0.0 && s.range[1] > s.range[0] && s.range[1] <= 1000.0,
+    require(s.nearest >= 0.0 && s.farthest > s.nearest && s.farthest <= 1000.0,
             "--range: expected 0 <= nearest < farthest <= 1000 m");
     for (const double angle : s.fov)
       require(angle > 0.0 && angle <= 170.0,
@@ -308,6 +310,7 @@ class InspectionOptions {
   }
 
   cli::Options& app_;
+  std::vector<double> range_{MissionPreset{}.nearest, MissionPreset{}.farthest};
   std::optional<double> utility_share_;
   std::string noise_ = "on", floor_;
   std::vector<double> keep_out_;

@@ -79,7 +79,7 @@ class RecordedWorld {
 
 /// Throws `Error` if images of such a range do not fit into 16 bits.
 inline void check_recording(const InspectionSettings& s) {
-  require(s.save_images.empty() || s.range[1] < 1e-3 * kMostDepthValue,
+  require(s.save_images.empty() || s.farthest < 1e-3 * kMostDepthValue,
           "--save-images: depth in millimetres reaches to 65.5 m; expected a nearer --range");
 }
 }  // namespace surfleet::examples

@@ -63,7 +63,7 @@ nlohmann::json mission_settings(const InspectionSettings& s, const SceneTrials& 
           {"seed", s.seed},
           {"preset", s.preset},
           {"voxel_m", s.voxel},
-          {"range_m", s.range},
+          {"range_m", {s.nearest, s.farthest}},
           {"standoff_m", s.standoff},
           {"radius_m", s.radius},
           {"margin_m", s.margin},

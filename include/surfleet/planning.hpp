@@ -11,7 +11,6 @@
 #include <surfleet/planning/opening_look.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/planner_settings.hpp>
-#include <surfleet/planning/presets.hpp>
 #include <surfleet/planning/rate_planner.hpp>
 #include <surfleet/planning/rate_then_tours.hpp>
 #include <surfleet/planning/robot_kind.hpp>

@@ -16,6 +16,7 @@
 #include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/planar_environments.hpp>
 #include <surfleet/simulation/powerplant.hpp>
+#include <surfleet/simulation/presets.hpp>
 #include <surfleet/simulation/random_scene.hpp>
 #include <surfleet/simulation/scene.hpp>
 #include <surfleet/simulation/scenes.hpp>

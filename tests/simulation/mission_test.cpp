@@ -316,8 +316,9 @@ struct Twice {
     for (const auto& [robot, route] : b.routes) {
       const Stops& other = a.routes.at(robot);
       CHECK(places(other) == places(route));
+      const Point3 start = situation.robot(robot).at.position;
       const auto length = [&](const Stops& stops) {
-        std::vector<Point3> points{situation.robot(robot).at.position};
+        std::vector<Point3> points{start};
         for (const Stop& stop : stops) points.push_back(stop.configuration.position);
         return polyline_length(points);
       };

@@ -164,7 +164,8 @@ TEST(random_scenes_are_sound) {
       CHECK(structure.triangles.size() > 500 && structure.triangles.size() < 40000);
       const Eigen::Vector3d size = structure.bounds().sizes();
       // A quarter of the seconds of flight at 1 m/s in range: minutes, not hours.
-      const double most = spec.voxel < 0.2 ? 26.0 : 46.0, least = spec.voxel < 0.2 ? 8.0 : 14.0;
+      const double most = spec.preset.voxel < 0.2 ? 26.0 : 46.0,
+                   least = spec.preset.voxel < 0.2 ? 8.0 : 14.0;
       CHECK(size.maxCoeff() >= least && size.maxCoeff() <= most);
       CHECK(structure.area() < 3000.0);
       const bool indoors = spec.kind == "hall";
@@ -175,7 +176,7 @@ TEST(random_scenes_are_sound) {
       const Bvh surface(structure);
       const auto starts = starting_places(
           scene, space, 5,
-          {.radius = spec.radius, .margin = spec.margin, .spacing = spec.spacing()});
+          {.radius = spec.preset.radius, .margin = spec.preset.margin, .spacing = spec.spacing()});
       for (const Configuration& q : starts) {
         CHECK(surface.distance(q.position) >= spec.start_clearance() - 1e-9);
         CHECK(!space.is_solid(q.position) && scene.bounds.contains(q.position));
@@ -183,7 +184,7 @@ TEST(random_scenes_are_sound) {
       }
       for (std::size_t i = 1; i < starts.size(); ++i)
         CHECK((starts[i].position - starts[0].position).norm() >
-              2.0 * (spec.radius + spec.margin) - 1e-9);
+              2.0 * (spec.preset.radius + spec.preset.margin) - 1e-9);
       if (random_seed_is_dirty(seed)) continue;
       // Closed parts face outward, the air of rooms inward.
       const std::vector<double> volume = volumes(structure);

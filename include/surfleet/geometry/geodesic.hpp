@@ -94,6 +94,12 @@ class HalfEdges {
   }
   /// The next half-edge on the same undirected edge; itself at a border.
   std::int32_t around(std::int32_t h) const { return next_[static_cast<std::size_t>(h)]; }
+  /// The half-edge of the one other triangle of this edge; −1 at a border and where three or more
+  /// triangles meet.
+  std::int32_t twin(std::int32_t h) const {
+    const std::int32_t other = around(h);
+    return other != h && around(other) == h ? other : -1;
+  }
   /// One half-edge of every undirected edge with two distinct ends.
   const std::vector<std::int32_t>& edges() const { return edges_; }
   std::int32_t from(std::int32_t h) const { return corner(h, 0); }

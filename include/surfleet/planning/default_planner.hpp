@@ -42,10 +42,14 @@ inline TourPlannerOptions reordered_tours(const PlannerSettings& s) {
   return tours;
 }
 
-inline DefaultPlanner default_planner(const PlannerSettings& s = {}) {
+inline RatePlannerOptions rate_options(const PlannerSettings& s) {
   RatePlannerOptions rate;
   if (s.utility_share) rate.climb_alone.utility_share = *s.utility_share;
-  RateThenTours front{RatePlanner(rate), CoverPlanner(reordered_tours(s))};
+  return rate;
+}
+
+inline DefaultPlanner default_planner(const PlannerSettings& s = {}) {
+  RateThenTours front{RatePlanner(rate_options(s)), CoverPlanner(reordered_tours(s))};
   if (s.utility_share) front.team_utility_share = front.lone_utility_share = *s.utility_share;
   TourPlannerOptions behind = reordered_tours(s);
   behind.asynchronous = true;

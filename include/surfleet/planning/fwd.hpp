@@ -9,7 +9,6 @@ struct CoverageTourOptions;
 struct KindSpace;
 struct KnownSurface;
 struct LoneClimbOptions;
-struct MissionPreset;
 struct NamedPlanner;
 struct OpeningLookOptions;
 class OpeningLooks;

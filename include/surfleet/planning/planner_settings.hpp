@@ -8,8 +8,7 @@
 #include <surfleet/viewpoint/viewpoint_merging.hpp>
 
 namespace surfleet {
-/// What planners are made with. Settings of one planner alone are those of its
-/// own type.
+/// What planners are made with. Settings of one planner alone are those of its own type.
 struct PlannerSettings {
   double standoff = 4.7;            ///< δ_pose [m].
   double cluster_radius = 2.0;      ///< d_ν [m].

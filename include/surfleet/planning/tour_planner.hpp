@@ -150,7 +150,7 @@ class TourPlanner {
     const std::vector<IncompleteElement> elements = unassigned(situation);
 
     // Viewpoints, and the elements there is none for.
-    const ViewFrustum frustum(situation.space().kind.camera, situation.space().kind.T_body_camera);
+    const ViewFrustum& frustum = situation.space().frustum;
     const auto is_free = [&](const Configuration& q) {
       return situation.space().free.is_free(q.position);
     };

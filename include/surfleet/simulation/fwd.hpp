@@ -13,6 +13,7 @@ struct JudgeReport;
 class MarkerImages;
 struct MarkerImageOptions;
 struct MissionOptions;
+struct MissionPreset;
 struct MissionProgress;
 struct MissionResult;
 struct NoNoise;

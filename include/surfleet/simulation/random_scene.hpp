@@ -4,7 +4,7 @@
 ///
 /// @code
 /// Scene scene = random_scene(parse_random_scene("random:shell:7"));
-/// const RandomSceneSpec& spec = random_scene_spec("shell");   // voxel, range, standoff, body
+/// const RandomSceneSpec& spec = random_scene_spec("shell");   // .preset: voxel, range, body
 /// @endcode
 ///
 /// Each seed is another structure of sensible size with overhangs, gaps, thin sheets and members,
@@ -24,7 +24,6 @@
 #include <vector>
 
 #include <surfleet/core/error.hpp>
-#include <surfleet/planning/presets.hpp>
 #include <surfleet/simulation/detail/random_bridge.hpp>
 #include <surfleet/simulation/detail/random_dirt.hpp>
 #include <surfleet/simulation/detail/random_hall.hpp>
@@ -33,37 +32,23 @@
 #include <surfleet/simulation/detail/random_plant.hpp>
 #include <surfleet/simulation/detail/random_shell.hpp>
 #include <surfleet/simulation/detail/random_tower.hpp>
+#include <surfleet/simulation/presets.hpp>
 #include <surfleet/simulation/scene.hpp>
 
 namespace surfleet {
-/// What a mission at a kind of scene flies with unless its user says otherwise. Metres.
+/// A kind of scenes, and what a mission there flies with unless its user says otherwise.
 struct RandomSceneSpec {
   std::string_view kind;
-  double voxel = 0.3;
-  double nearest = 1.6, farthest = 8.0;  ///< Depths that the camera measures.
-  double standoff = 4.7;                 ///< Distance of a view.
-  double radius = 1.0;                   ///< Of a robot's body.
-  double margin = 0.35;                  ///< Kept beyond the body.
-  double unknown_margin = 0.35;          ///< The same from what is unknown.
+  MissionPreset preset{};
 
   /// Free space around a start after which a camera that opens 60° upright has seen the way from
   /// there: where the image is as high as what the body needs, and what voxels blur.
   double start_clearance() const {
-    return (radius + margin + voxel) / std::sin(radians(30.0)) + 1.5 * voxel;
-  }
-  MissionPreset preset() const {
-    MissionPreset p;
-    p.voxel = voxel;
-    p.radius = radius;
-    p.margin = margin;
-    p.unknown_margin = unknown_margin;
-    p.nearest = nearest;
-    p.farthest = farthest;
-    p.standoff = standoff;
-    return p;
+    return (preset.radius + preset.margin + preset.voxel) / std::sin(radians(30.0)) +
+           1.5 * preset.voxel;
   }
   /// Between robots at their starting places.
-  double spacing() const { return starting_distance(radius, margin); }
+  double spacing() const { return starting_distance(preset.radius, preset.margin); }
 };
 
 /// The kinds; seed N of `random:all` is kind N mod 7 in this order.
@@ -71,22 +56,22 @@ inline constexpr std::array<RandomSceneSpec, 7> kRandomSceneKinds{{
     {.kind = "plant"},
     {.kind = "tower"},
     {.kind = "lattice",
-     .voxel = 0.15,
-     .nearest = 1.0,
-     .farthest = 5.0,
-     .standoff = 3.6,
-     .margin = 0.4,
-     .unknown_margin = 0.15},
+     .preset = {.voxel = 0.15,
+                .margin = 0.4,
+                .unknown_margin = 0.15,
+                .nearest = 1.0,
+                .farthest = 5.0,
+                .standoff = 3.6}},
     {.kind = "shell"},
     {.kind = "bridge"},
     {.kind = "hall",  // indoors, for a small robot
-     .voxel = 0.15,
-     .nearest = 0.6,
-     .farthest = 5.0,
-     .standoff = 2.5,
-     .radius = 0.35,
-     .margin = 0.2,
-     .unknown_margin = 0.15},
+     .preset = {.voxel = 0.15,
+                .radius = 0.35,
+                .margin = 0.2,
+                .unknown_margin = 0.15,
+                .nearest = 0.6,
+                .farthest = 5.0,
+                .standoff = 2.5}},
     {.kind = "hull"},
 }};
 
@@ -221,7 +206,7 @@ inline std::optional<Point3> find_start(const Structure& made, const RandomScene
       const Eigen::Vector2d d(std::cos(angle), std::sin(angle));
       const double to_side = 1.0 / std::max(std::abs(d.x()) / half.x(), std::abs(d.y()) / half.y());
       const Eigen::Vector2d p = box.center().head<2>() + (to_side + away) * d;
-      const Point3 start(p.x(), p.y(), spec.radius + spec.margin + 0.85);
+      const Point3 start(p.x(), p.y(), spec.preset.radius + spec.preset.margin + 0.85);
       if (clearance(start) >= needed) return start;
     }
   return std::nullopt;
@@ -243,8 +228,8 @@ inline Scene random_scene(const RandomSceneId& id) {
   const make::Structure made = make::make_structure(id);
   SceneOptions options;
   options.name = id.name();
-  options.radius = spec.radius;
-  options.margin = spec.margin;
+  options.radius = spec.preset.radius;
+  options.margin = spec.preset.margin;
   options.start = make::find_start(made, spec, make::Draw(Random(id.seed))("start"));
   require(options.start.has_value(), options.name + ": no room for five robots to start");
   if (made.indoors) {
@@ -254,7 +239,8 @@ inline Scene random_scene(const RandomSceneId& id) {
         Box3(box.min() - Point3::Constant(kBeyond), box.max() + Point3::Constant(kBeyond));
   } else {
     options.ground = 0.0;
-    options.standoff = std::max(spec.farthest, spec.start_clearance() + 2.0 * spec.spacing() + 0.2);
+    options.standoff =
+        std::max(spec.preset.farthest, spec.start_clearance() + 2.0 * spec.spacing() + 0.2);
   }
   return scene_from_mesh(made.mesh, options);
 }

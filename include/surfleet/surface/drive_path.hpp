@@ -78,27 +78,9 @@ TrackedDrive track_path(const SurfaceWalk& walk, const SurfacePath& path, Vehicl
   TrackedDrive drive;
   SurfacePose pose = start;
   std::size_t hint = 0, true_hint = 0;
-  const auto distance = [&] {  // to the nearest piece of the path, from the last one on
-    double best = 1e300;
-    std::size_t at = true_hint;
-    const auto& way = plane.way();
-    const Point3 p = pose.at.position(walk.mesh());
-    for (std::size_t i = true_hint > 5 ? true_hint - 5 : 0;
-         i + 1 < way.size() && i < true_hint + 30; ++i) {
-      const Eigen::Vector3d m = way[i + 1].position - way[i].position;
-      const double s = std::clamp((p - way[i].position).dot(m) / m.squaredNorm(), 0.0, 1.0);
-      const double d = (way[i].position + s * m - p).norm();
-      if (d < best) {
-        best = d;
-        at = i;
-      }
-    }
-    true_hint = at;
-    return best;
-  };
   const auto record = [&] {
     drive.poses.push_back(pose);
-    drive.error.push_back(distance());
+    drive.error.push_back(plane.distance(pose.at.position(walk.mesh()), true_hint));
   };
   record();
   const double settle = 2.0;  // the reference waits at the end for the robot to come up [s]

@@ -46,6 +46,12 @@ inline double least_height(const std::array<Point2, 3>& c) {
   for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, (c[(k + 1) % 3] - c[k]).norm());
   return std::abs(cross2(c[1] - c[0], c[2] - c[0])) / longest;
 }
+/// From the goal to the farthest corner of its triangle.
+inline double farthest_corner(const std::array<Point2, 3>& corners, const Point2& goal) {
+  double far = 0.0;
+  for (const Point2& c : corners) far = std::max(far, (goal - c).norm());
+  return far;
+}
 }  // namespace detail
 
 /// Eq. 7.1: a vector at every corner, interpolated by area.
@@ -68,8 +74,7 @@ class ContinuousField {
     for (const auto& c : strip.corners) height_.push_back(detail::least_height(c));
     breaks_ = shared_ = 0;
     const std::size_t last = strip.size() - 1;
-    double far = 0.0;
-    for (const Point2& c : strip.corners[last]) far = std::max(far, (goal - c).norm());
+    const double far = detail::farthest_corner(strip.corners[last], goal);
     for (std::size_t k = 0; k < 3; ++k)
       vectors_[last][k] =
           far > 0.0 ? Point2((goal - strip.corners[last][k]) / far) : Point2(Point2::Zero());
@@ -300,8 +305,7 @@ class PerpendicularField {
   }
   /// Towards the goal, slower in its triangle.
   Point2 capped(const Point2& way, std::size_t place) const {
-    double far = 0.0;
-    for (const Point2& c : strip_.corners[place]) far = std::max(far, (goal_ - c).norm());
+    const double far = detail::farthest_corner(strip_.corners[place], goal_);
     return far > 0.0 ? Point2(way / far) : Point2(Point2::Zero());
   }
 

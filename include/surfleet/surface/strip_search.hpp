@@ -20,6 +20,7 @@
 #include <surfleet/coverage/mesh_graph.hpp>
 #include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
+#include <surfleet/geometry/predicates.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
 #include <surfleet/surface/surface_point.hpp>
 
@@ -76,10 +77,7 @@ class StripSearch {
 
   const TriangleMesh& mesh() const { return *mesh_; }
   const StripCosts& costs() const { return costs_; }
-  std::int32_t twin(std::int32_t h) const {
-    const std::int32_t g = half_.around(h);
-    return g != h && half_.around(g) == h ? g : -1;
-  }
+  std::int32_t twin(std::int32_t h) const { return half_.twin(h); }
   bool blocked(std::int32_t triangle) const {
     return !costs_.user.empty() && !(costs_.user[static_cast<std::size_t>(triangle)] <
                                      std::numeric_limits<double>::infinity());
@@ -199,7 +197,7 @@ class StripSearch {
     last.y() = -last.y();
     const Point2 here = flat(mesh_->centroid(after)), next = flat(at(out));
     const Point2 u = here - last, v = next - here;
-    return std::abs(std::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v)));
+    return std::abs(std::atan2(cross2(u, v), u.dot(v)));
   }
 
   const TriangleMesh* mesh_;

@@ -48,12 +48,7 @@ class SurfaceWalk {
   const TriangleMesh& mesh() const { return *mesh_; }
   const HalfEdges& half_edges() const { return half_; }
 
-  /// The half-edge of the one other triangle of this edge; −1 at a border and where three or more
-  /// triangles meet.
-  std::int32_t twin(std::int32_t half_edge) const {
-    const std::int32_t other = half_.around(half_edge);
-    return other != half_edge && half_.around(other) == half_edge ? other : -1;
-  }
+  std::int32_t twin(std::int32_t half_edge) const { return half_.twin(half_edge); }
 
   /// Takes `pose` straight along `ahead` = (forward, left) [m]. The heading keeps its angle to the
   /// line. The step ends early where it has entered `most` triangles.

@@ -270,10 +270,6 @@ class TautStrips {
     return path;
   }
 
-  bool holds(std::int32_t triangle, std::int32_t vertex) const {
-    const Triangle& t = walk_->mesh().triangles[static_cast<std::size_t>(triangle)];
-    return t[0] == vertex || t[1] == vertex || t[2] == vertex;
-  }
   /// The places about a corner's vertex, the first and the last.
   std::pair<std::size_t, std::size_t> run_of(const UnfoldedStrip& strip,
                                              const StripCorner& corner) const {

@@ -59,24 +59,28 @@ class UnwrappedPath {
     return std::atan2(a.cross(b).dot(normal), a.dot(b));
   }
 
-  /// A pose on the surface as the control plane has it, by the nearest piece of the path from
-  /// `hint` on, which moves along: position and heading relative to that piece.
-  PlanarPose pose(const Point3& position, const Eigen::Vector3d& forward, std::size_t& hint) const {
+  /// Distance to the path near piece `hint`, which becomes the nearest one [m].
+  double distance(const Point3& position, std::size_t& hint) const {
     constexpr std::size_t kAhead = 30, kBehind = 5;
-    std::size_t nearest = hint;
-    const std::size_t first = hint > kBehind ? hint - kBehind : 0;
+    const std::size_t first = hint > kBehind ? hint - kBehind : 0, end = hint + kAhead;
     double best = 1e300;
-    for (std::size_t i = first; i + 1 < way_.size() && i < hint + kAhead; ++i) {
+    for (std::size_t i = first; i + 1 < way_.size() && i < end; ++i) {
       const Eigen::Vector3d m = way_[i + 1].position - way_[i].position;
       const double s = std::clamp((position - way_[i].position).dot(m) / m.squaredNorm(), 0.0, 1.0);
       const double d = (way_[i].position + s * m - position).squaredNorm();
       if (d < best - 1e-15) {
         best = d;
-        nearest = i;
+        hint = i;
       }
     }
-    hint = nearest;
-    const std::size_t i = nearest;
+    return std::sqrt(best);
+  }
+
+  /// A pose on the surface as the control plane has it, by the nearest piece of the path from
+  /// `hint` on, which moves along: position and heading relative to that piece.
+  PlanarPose pose(const Point3& position, const Eigen::Vector3d& forward, std::size_t& hint) const {
+    distance(position, hint);
+    const std::size_t i = hint;
     const Eigen::Vector3d m = (way_[i + 1].position - way_[i].position).normalized();
     Eigen::Vector3d n = way_[i].normal + way_[i + 1].normal;
     n = (n - n.dot(m) * m).normalized();

@@ -38,11 +38,7 @@ SURFLEET_INLINE AnyPlanner make_planner(std::string_view name, const PlannerSett
   if (name == "tsga-improved") return made(ImprovedTsgaPlanner(tours));
   if (name == "makespan") return made(MakespanPlanner(tours));
   if (name == "tours") return made(CoverPlanner(reordered_tours(settings)));
-  if (name == "rate") {
-    RatePlannerOptions rate;
-    if (settings.utility_share) rate.climb_alone.utility_share = *settings.utility_share;
-    return made(RatePlanner(rate));
-  }
+  if (name == "rate") return made(RatePlanner(rate_options(settings)));
   throw Error("planner " + std::string(name) + ": named, but not made");
 }
 }  // namespace surfleet
