@@ -40,7 +40,6 @@ Errors follow(const Camera& camera, const CameraMotionOptions& motion, int frame
 TEST(rendered_frames_are_tracked_to_millimetres) {
   const Errors bright = follow(scenes::printed_camera(), handheld_motion(), 90);
   CHECK(bright.tracked >= 88 && bright.wrong == 0);
-  std::printf("%f %f\n", bright.position, degrees(bright.angle));
   CHECK(bright.position < 0.004 && bright.angle < radians(0.4));
   MarkerImageOptions dark;
   dark.background = 220.0;

@@ -3,6 +3,7 @@
 /// @brief The pose of a target whose markers are told apart.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -83,7 +84,12 @@ std::optional<RefinedPose> estimate_pose(std::span<const Observation> seen,
   if (!(cost[0] < kAll)) return std::nullopt;
   RefinedPose best = refine_pose(seen, points, start[0], options);
   if (cost[1] < kAll) {
-    RefinedPose other = refine_pose(seen, points, start[1], options);
+    // A few steps show whether the other start leads to anything.
+    RefineOptions few = options;
+    few.max_iterations = std::min(3, options.max_iterations);
+    RefinedPose other = refine_pose(seen, points, start[1], few);
+    if (other.cost < 4.0 * best.cost + 1e-12)
+      other = refine_pose(seen, points, other.T_camera_target, options);
     if (other.cost < best.cost) std::swap(best, other);
     if (second && other.valid() && different(best.T_camera_target, other.T_camera_target))
       *second = other;

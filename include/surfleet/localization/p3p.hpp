@@ -61,12 +61,14 @@ class P3pProblem {
 
   /// Newton's method on the depths; false where they fit no pose.
   bool polish(Eigen::Vector3d& l) const {
-    const double tolerance = 1e-14 * (a12 + a13 + a23);
-    for (int i = 0; i < 5; ++i) {
+    const double scale = a12 + a13 + a23;
+    double off = 0.0;
+    for (int i = 0;; ++i) {
       const double r12 = l[0] * (l[0] - 2.0 * b12 * l[1]) + l[1] * l[1] - a12;
       const double r13 = l[0] * (l[0] - 2.0 * b13 * l[2]) + l[2] * l[2] - a13;
       const double r23 = l[1] * (l[1] - 2.0 * b23 * l[2]) + l[2] * l[2] - a23;
-      if (std::abs(r12) + std::abs(r13) + std::abs(r23) < tolerance) break;
+      off = std::abs(r12) + std::abs(r13) + std::abs(r23);
+      if (off < 1e-13 * scale || i == 5) break;
       // Half of the Jacobian: rows (x1 x2 0), (y1 0 y3), (0 z2 z3).
       const double x1 = l[0] - b12 * l[1], x2 = l[1] - b12 * l[0];
       const double y1 = l[0] - b13 * l[2], y3 = l[2] - b13 * l[0];
@@ -78,12 +80,8 @@ class P3pProblem {
       l[1] -= s * (y1 * z3 * r12 - x1 * z3 * r13 + x1 * y3 * r23);
       l[2] -= s * (-y1 * z2 * r12 + x1 * z2 * r13 + x2 * y1 * r23);
     }
-    const double r12 = l[0] * (l[0] - 2.0 * b12 * l[1]) + l[1] * l[1] - a12;
-    const double r13 = l[0] * (l[0] - 2.0 * b13 * l[2]) + l[2] * l[2] - a13;
-    const double r23 = l[1] * (l[1] - 2.0 * b23 * l[2]) + l[2] * l[2] - a23;
     // Near double roots the steps are slow and the last digits lost.
-    return l.minCoeff() > 0.0 &&
-           std::abs(r12) + std::abs(r13) + std::abs(r23) < 1e-10 * (a12 + a13 + a23);
+    return l.minCoeff() > 0.0 && off < 1e-10 * scale;
   }
   /// The pose with the points at these depths.
   Pose pose(const Eigen::Vector3d& l) const {

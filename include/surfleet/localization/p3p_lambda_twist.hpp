@@ -31,30 +31,35 @@ struct LambdaTwistP3p {
     const bool swapped = std::abs(c0) > std::abs(c3);
     const double lead = swapped ? c0 : c3;
     if (lead == 0.0) return solutions;
-    const detail::RealRoots roots = swapped ? detail::cubic_roots(c1 / c0, c2 / c0, c3 / c0)
-                                            : detail::cubic_roots(c2 / c3, c1 / c3, c0 / c3);
-    // Of several roots the one whose pair of lines is clearest.
-    Eigen::Matrix3d conic = Eigen::Matrix3d::Zero(), minors = Eigen::Matrix3d::Zero();
+    const double scale = 1.0 / lead;
+    const double k2 = scale * (swapped ? c1 : c2), k1 = scale * (swapped ? c2 : c1),
+                 k0 = scale * (swapped ? c3 : c0);
+    const detail::RealRoots roots = detail::cubic_roots(k2, k1, k0);
+    const auto pencil = [&](double g) {
+      return swapped ? Eigen::Matrix3d(g * d1 + d2) : Eigen::Matrix3d(d1 + g * d2);
+    };
+    // Of several roots the one whose pair of lines is clearest: by the product of the conic's two
+    // eigenvalues, which differ in sign.
     double clearest = 0.0, weight = 0.0;
     for (std::size_t i = 0; i < roots.count; ++i) {
-      const double g = roots.value[i];
-      const Eigen::Matrix3d m =
-          swapped ? Eigen::Matrix3d(g * d1 + d2) : Eigen::Matrix3d(d1 + g * d2);
-      const Eigen::Matrix3d a = adjugate(m);
-      const double clear = -a.trace() / m.squaredNorm();  // −(product of the two eigenvalues)
+      const Eigen::Matrix3d m = pencil(roots.value[i]);
+      const double product = m(0, 0) * m(1, 1) + m(0, 0) * m(2, 2) + m(1, 1) * m(2, 2) -
+                             m(0, 1) * m(0, 1) - m(0, 2) * m(0, 2) - m(1, 2) * m(1, 2);
+      const double clear = -product / m.squaredNorm();
       if (clear > clearest) {
         clearest = clear;
-        conic = m;
-        minors = a;
-        weight = g;
+        weight = roots.value[i];
       }
     }
     if (!(clearest > 0.0)) return solutions;
+    weight = detail::polished_cubic_root(weight, k2, k1, k0);
+    const Eigen::Matrix3d conic = pencil(weight), minors = adjugate(conic);
     // Lines l, m with 2 conic = l mᵀ + m lᵀ: the conic and the cross matrix of the point where they
     // meet add to a matrix of rank one.
     int k = 0;
     (-minors.diagonal()).maxCoeff(&k);
     const double root = std::sqrt(-minors(k, k));
+    if (!(root > 0.0)) return solutions;
     const Eigen::Vector3d meet = -minors.col(k) / root;
     Eigen::Matrix3d rank_one = conic;
     rank_one(0, 1) -= meet.z();

@@ -127,7 +127,7 @@ inline RefinedPose refine_pose(std::span<const Observation> seen, std::span<cons
     damping *= 0.1;
     if (damping < 1e-6) damping = 0.0;
     linearize();
-    if (gain <= 1e-9 * cost || cost < 1e-24) break;
+    if (gain <= 1e-7 * cost || cost < 1e-24) break;
   }
   best.information = h;
   return best;

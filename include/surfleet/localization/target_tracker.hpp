@@ -342,7 +342,16 @@ class TargetTracker {
       if (const int b = fit.blob_of_marker[m]; b != TargetFit::kUnseen) {
         seen.push_back(blobs[static_cast<std::size_t>(b)]);
         points.push_back(target_.markers[m]);
-        if (sharing(fit.blob_of_marker, b) < 2) continue;
+        const double rough = std::max(
+            {options.merged_noise, options.identify.pixel_noise, 0.3 * seen.back().diameter});
+        if (sharing(fit.blob_of_marker, b) < 2) {
+          // With a stranger, or cut: its centre is roughly there.
+          if (seen.back().merged || seen.back().elongated) {
+            seen.back().merged = true;
+            seen.back().to_pixels *= options.identify.pixel_noise / rough;
+          }
+          continue;
+        }
         // Two in one: its centre is the middle of theirs, which are as far apart as predicted.
         Eigen::Vector2d middle = Eigen::Vector2d::Zero();
         for (std::size_t k = 0; k < fit.blob_of_marker.size(); ++k)
@@ -350,10 +359,10 @@ class TargetTracker {
             middle += 0.5 * pixels_off(seen.back(), fit.T_camera_target * target_.markers[k]);
         const Eigen::Vector2d own =
             pixels_off(seen.back(), fit.T_camera_target * target_.markers[m]);
-        const double rough = std::max(options.merged_noise, options.identify.pixel_noise);
         seen.back() = observe(camera_, seen.back().pixel + own - middle, 0.0);
         seen.back().merged = true;
-        seen.back().to_pixels *= options.identify.pixel_noise / rough;
+        seen.back().to_pixels *= options.identify.pixel_noise /
+                                 std::max(options.merged_noise, options.identify.pixel_noise);
       }
     RefinedPose refined =
         refine_pose(seen, points, fit.T_camera_target, options.identify.refine, prior);

@@ -17,7 +17,7 @@ struct RealRoots {
   void add(double x) { value[count++] = x; }
 };
 
-/// The real roots of x³ + b x² + c x + d, largest first.
+/// The real roots of x³ + b x² + c x + d, largest first, not polished.
 inline RealRoots cubic_roots(double b, double c, double d) {
   RealRoots roots;
   const double shift = b / 3.0;
@@ -37,14 +37,16 @@ inline RealRoots cubic_roots(double b, double c, double d) {
     roots.add(r * (s0 - c0) - shift);
     roots.add(r * (-s0 - c0) - shift);
   }
-  for (std::size_t i = 0; i < roots.count; ++i)
-    for (int k = 0; k < 2; ++k) {
-      double& x = roots.value[i];
-      const double slope = c + x * (2.0 * b + 3.0 * x);
-      if (slope == 0.0) break;
-      x -= (d + x * (c + x * (b + x))) / slope;
-    }
   return roots;
+}
+/// A root of x³ + b x² + c x + d as cubic_roots gives it, after two steps of Newton's method.
+inline double polished_cubic_root(double x, double b, double c, double d) {
+  for (int k = 0; k < 2; ++k) {
+    const double slope = c + x * (2.0 * b + 3.0 * x);
+    if (slope == 0.0) break;
+    x -= (d + x * (c + x * (b + x))) / slope;
+  }
+  return x;
 }
 
 /// The real roots of a4 x⁴ + … + a0, by way of the resolvent cubic (Ferrari). Pairs that are double
@@ -56,7 +58,8 @@ inline RealRoots quartic_roots(double a4, double a3, double a2, double a1, doubl
   const double q = d - 0.5 * b * c + 0.125 * b2 * b;
   const double r = e - 0.25 * b * d + 0.0625 * b2 * c - 3.0 / 256.0 * b2 * b2;
   // y⁴ + p y² + q y + r = (y² + m y + n)(y² − m y + k) with u = m² a root of the resolvent.
-  const double u = std::max(0.0, cubic_roots(2.0 * p, p * p - 4.0 * r, -q * q).value[0]);
+  const double cb = 2.0 * p, cc = p * p - 4.0 * r, cd = -q * q;
+  const double u = std::max(0.0, polished_cubic_root(cubic_roots(cb, cc, cd).value[0], cb, cc, cd));
   RealRoots roots;
   const auto pair = [&](double half, double product) {
     const double scale = half * half + std::abs(product) + 1e-300;
