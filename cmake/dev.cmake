@@ -1,36 +1,44 @@
 # What our own tests, examples and benchmarks are built with; users never see it.
-add_library(surfleet_dev INTERFACE)
-target_compile_options(surfleet_dev INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
+add_library(surfleet_flags INTERFACE)
+target_compile_options(surfleet_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
 # What changes no result: nobody asks for `errno` after a root, nor for floating-point traps, and
 # with them loops do not become vector code.
-target_compile_options(surfleet_dev INTERFACE -fno-math-errno -fno-trapping-math)
+target_compile_options(surfleet_flags INTERFACE -fno-math-errno -fno-trapping-math)
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   # As with g++, whose -Wconversion leaves signs alone.
-  target_compile_options(surfleet_dev INTERFACE -Wno-sign-conversion)
+  target_compile_options(surfleet_flags INTERFACE -Wno-sign-conversion)
 endif()
 if(SURFLEET_WERROR)
-  target_compile_options(surfleet_dev INTERFACE -Werror)
+  target_compile_options(surfleet_flags INTERFACE -Werror)
 endif()
 if(SURFLEET_NATIVE)
   # Eigen's alignment stays the one the distribution's libraries were compiled with. AVX-512 is left
   # out: g++ 12 warns of its own intrinsics.
-  target_compile_options(surfleet_dev INTERFACE -march=native -mno-avx512f)
-  target_compile_definitions(surfleet_dev INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
+  target_compile_options(surfleet_flags INTERFACE -march=native -mno-avx512f)
+  target_compile_definitions(surfleet_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
 endif()
 if(SURFLEET_SANITIZE)
-  target_compile_options(surfleet_dev INTERFACE -fsanitize=${SURFLEET_SANITIZE}
+  target_compile_options(surfleet_flags INTERFACE -fsanitize=${SURFLEET_SANITIZE}
                          -fno-sanitize-recover=all -fno-omit-frame-pointer)
-  target_link_options(surfleet_dev INTERFACE -fsanitize=${SURFLEET_SANITIZE})
+  target_link_options(surfleet_flags INTERFACE -fsanitize=${SURFLEET_SANITIZE})
 endif()
-target_include_directories(surfleet_dev INTERFACE ${PROJECT_SOURCE_DIR}/examples)
-target_link_libraries(surfleet_dev INTERFACE surfleet)
+target_include_directories(surfleet_flags INTERFACE ${PROJECT_SOURCE_DIR}/examples)
+target_link_libraries(surfleet_flags INTERFACE surfleet)
 foreach(component fcl embree png)
   if(TARGET surfleet_${component})
-    target_link_libraries(surfleet_dev INTERFACE surfleet_${component})
+    target_link_libraries(surfleet_flags INTERFACE surfleet_${component})
   endif()
 endforeach()
 
-target_link_libraries(surfleet_compiled PRIVATE surfleet_dev)
+target_link_libraries(surfleet_compiled PRIVATE surfleet_flags)
+add_library(surfleet_dev INTERFACE)
+target_link_libraries(surfleet_dev INTERFACE surfleet_flags surfleet_compiled)
+
+# The library's headers, parsed once for all programs.
+file(WRITE ${PROJECT_BINARY_DIR}/surfleet_parsed.cpp "")
+add_library(surfleet_parsed STATIC EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/surfleet_parsed.cpp)
+target_link_libraries(surfleet_parsed PRIVATE surfleet_dev)
+target_precompile_headers(surfleet_parsed PRIVATE <surfleet/surfleet.hpp>)
 
 # Packages that single files ask for with a line `// requires: name`.
 find_package(octomap QUIET)
@@ -67,4 +75,7 @@ function(surfleet_program name source)
   endforeach()
   add_executable(${name} ${source})
   target_link_libraries(${name} PRIVATE surfleet_dev ${libraries})
+  if(NOT libraries)  # other packages may bring options that the parsed headers do not have
+    target_precompile_headers(${name} REUSE_FROM surfleet_parsed)
+  endif()
 endfunction()
