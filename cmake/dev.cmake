@@ -34,11 +34,12 @@ target_link_libraries(surfleet_compiled PRIVATE surfleet_flags)
 add_library(surfleet_dev INTERFACE)
 target_link_libraries(surfleet_dev INTERFACE surfleet_flags surfleet_compiled)
 
-# The library's headers, parsed once for all programs.
+# What every program includes, parsed once.
 file(WRITE ${PROJECT_BINARY_DIR}/surfleet_parsed.cpp "")
 add_library(surfleet_parsed STATIC EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/surfleet_parsed.cpp)
 target_link_libraries(surfleet_parsed PRIVATE surfleet_dev)
-target_precompile_headers(surfleet_parsed PRIVATE <surfleet/surfleet.hpp>)
+target_precompile_headers(surfleet_parsed PRIVATE <Eigen/Dense> <algorithm> <functional> <map> <random>
+                          <span> <string> <unordered_map> <vector>)
 
 # Packages that single files ask for with a line `// requires: name`.
 find_package(octomap QUIET)

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "support/cli.hpp"
 #include "support/peak_memory.hpp"
@@ -18,6 +20,7 @@
 #include <surfleet/mapping/surface_mesh.hpp>
 #include <surfleet/mapping/surface_points.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
+#include <surfleet/simulation/marker_sight.hpp>
 #include <surfleet/simulation/scenes.hpp>
 
 namespace surfleet::examples {
@@ -134,6 +137,21 @@ void InspectionSite::find_reference(const InspectionSettings& settings, const Po
               "--bounds or --range");
 }
 
+namespace {
+NeighbourSense neighbour_sense(const InspectionSettings& s, const InspectionSite& site) {
+  if (s.neighbours == "exact") return {};
+  if (s.neighbours == "none")
+    return [](std::size_t, std::uint64_t, std::span<const Configuration>) {
+      return std::vector<Neighbour>{};
+    };
+  MarkerSightOptions o;
+  o.target = printed_target(4.0 * s.radius);  // about as large as the body
+  o.period = 1.0 / s.rate;
+  o.seed = s.seed;
+  return MarkerSight(site.caster, static_cast<std::size_t>(s.robots), o);
+}
+}  // namespace
+
 MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site) {
   MissionOptions o;
   RobotKind& kind = o.kind;
@@ -159,6 +177,8 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   // Said by the operator, who knows the place he starts from, and held against the truth before the
   // mission begins: see `InspectionSite::starts`.
   o.start_clearance = s.known_around_start();
+  o.neighbours = neighbour_sense(s, site);
+  o.announces = s.announces;
   o.max_time = s.max_time;
   o.threads = s.threads;
   return o;

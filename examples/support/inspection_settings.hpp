@@ -60,7 +60,9 @@ struct InspectionSettings : MissionPreset {
   std::string cluster_distance = "straight";
   MergeOptions merge;
   int max_looks = 1;
-  std::string save_images;  ///< Folder for what the cameras see; empty: nowhere.
+  std::string neighbours = "exact";  ///< How drones see one another: exact, markers, none.
+  bool announces = true;             ///< Drones tell each other where they go.
+  std::string save_images;           ///< Folder for what the cameras see; empty: nowhere.
   /// Whether `utility_share` was asked for, and holds for planners that have one of their own.
   bool utility_share_given = false;
 
@@ -151,6 +153,14 @@ class InspectionOptions {
       app.add("--unknown-margin", settings.unknown_margin,
               "the same from what is unknown [m]; as a rule a voxel");
     }
+    if (program == InspectionProgram::mission) {
+      app.add("--neighbours", settings.neighbours,
+              "how drones see one another: exactly, by markers that they carry (6-D localisation "
+              "by fish-eye cameras), or not at all")
+          .one_of({"exact", "markers", "none"});
+      app.add("--announcements", announcements_,
+              "on, or off: drones do not tell where they go, and keep apart by sight alone");
+    }
     app.begin_group("Camera");
     app.add("--range", range_, "nearest and farthest depth [m]").expected(2);
     app.add("--fov", settings.fov, "horizontal and vertical field of view [deg]").expected(2);
@@ -230,6 +240,9 @@ class InspectionOptions {
                                : std::max(given.cluster_max_radius, s.cluster_radius);
     require(noise_ == "on" || noise_ == "off", "--noise " + noise_ + ": expected on or off");
     s.noise = noise_ == "on";
+    require(announcements_ == "on" || announcements_ == "off",
+            "--announcements " + announcements_ + ": expected on or off");
+    s.announces = announcements_ == "on";
     s.floor = parse_floor(floor_);
     require(keep_out_.size() % 6 == 0,
             "--keep-out: expected six numbers x0 y0 z0 x1 y1 z1 for each box");
@@ -312,7 +325,7 @@ class InspectionOptions {
   cli::Options& app_;
   std::vector<double> range_{MissionPreset{}.nearest, MissionPreset{}.farthest};
   std::optional<double> utility_share_;
-  std::string noise_ = "on", floor_;
+  std::string noise_ = "on", announcements_ = "on", floor_;
   std::vector<double> keep_out_;
 };
 }  // namespace surfleet::examples

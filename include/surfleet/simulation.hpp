@@ -12,6 +12,7 @@
 #include <surfleet/simulation/house.hpp>
 #include <surfleet/simulation/judge.hpp>
 #include <surfleet/simulation/marker_images.hpp>
+#include <surfleet/simulation/marker_sight.hpp>
 #include <surfleet/simulation/mesh_map.hpp>
 #include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/planar_environments.hpp>

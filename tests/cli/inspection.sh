@@ -53,6 +53,11 @@ grep -q '"preset": "statue"' mesh/metrics.json
 grep -q '"complete": false' mesh/metrics.json
 unpublished mesh
 
+# Drones that tell nothing keep apart by the lights that they see.
+"$bin/drone_inspection" --scene house --robots 2 --seed 3 --neighbours markers --announcements off \
+  --max-time 40 --quiet --out silent >silent.txt || [ $? = 3 ]
+grep -q '"collisions": 0' silent/metrics.json
+
 # A closed side is not entered, and the architecture is what it was asked to be.
 "$bin/drone_inspection" --scene house --robots 1 --architecture centralized --seed 3 --quiet \
   --keep-out -20 3.5 0 20 20 20 --out closed >closed.txt

@@ -56,8 +56,11 @@ class Agent {
   /// Takes an image, less what shows teammates. Different agents at once.
   void sense() {
     image_ = body_->sense();
-    mask_teammates(image_, kind().camera, camera_pose(), body_->neighbours(),
-                   kind().body_radius + belief_->voxel_size());
+    seen_ = body_->neighbours();
+    for (const Neighbour& mate : seen_)
+      mask_teammates(image_, kind().camera, camera_pose(),
+                     std::span<const Point3>(&mate.position, 1),
+                     kind().body_radius + belief_->voxel_size() + mate.error);
   }
   /// Puts the last image into the belief, which is not updated yet.
   void integrate() { belief_->integrate(image_, kind().camera, camera_pose()); }
@@ -157,7 +160,7 @@ class Agent {
   /// Moves on by an image period, with regard to what the others have told. Different agents at
   /// once, if somebody has asked for the belief's goals before.
   void move(double time) {
-    if (!heard_.empty() && phase_ != Phase::scanning) give_way(time);
+    if (!(heard_.empty() && seen_.empty()) && phase_ != Phase::scanning) give_way(time);
     if (phase_ == Phase::scanning && (quarters_ == 0 || body_->finished())) {
       if (++quarters_ > 4) {
         phase_ = Phase::waiting;
@@ -306,6 +309,7 @@ class Agent {
     const TrafficAgent self = announce(time);
     std::vector<TrafficAgent> traffic{self};
     for (const auto& [id, mate] : heard_) traffic.push_back(mate);
+    add_silent(traffic);
     const auto free = [this](const Point3& p, const Point3& q) {
       return space().free.is_free_segment(p, q);
     };
@@ -346,6 +350,26 @@ class Agent {
         break;
     }
   }
+  /// Teammates that are seen and have not told of themselves: they may be anywhere that they reach
+  /// before they would see a reason to brake and stand.
+  void add_silent(std::vector<TrafficAgent>& traffic) const {
+    const AerialLimits& limits = kind().limits;
+    const double moves = limits.speed * options_.image_period;
+    const double stops = 0.5 * limits.speed * limits.speed / limits.braking;
+    int id = kSilent;
+    for (const Neighbour& mate : seen_) {
+      const bool told = std::any_of(heard_.begin(), heard_.end(), [&](const auto& h) {
+        return (h.second.position - mate.position).norm() <= h.second.radius + mate.error;
+      });
+      if (told) continue;
+      TrafficAgent silent;
+      silent.id = id++;
+      silent.position = mate.position;
+      silent.radius = kind().body_radius + mate.error + moves + stops;
+      silent.speed = limits.speed;
+      traffic.push_back(silent);
+    }
+  }
   /// The heading with the most incomplete surface in view from here; near the goal, the goal's.
   double where_to_look() const {
     const Configuration& goal = route_.front().configuration;
@@ -373,6 +397,7 @@ class Agent {
   }
 
   static constexpr double kFairLook = 0.4;  ///< Least cosine between n̄_v and the line of sight.
+  static constexpr int kSilent = 1 << 20;   ///< Ids from here on: nobody told them; the last to go.
   static constexpr double kIdle = 2.0;      ///< Between requests of a robot without work [s] …
   static constexpr double kLongestIdle = 30.0;  ///< … when nothing was found time after time.
   static constexpr double kLongestHold = 60.0;  ///< For teammates before a route is given up [s].
@@ -397,6 +422,7 @@ class Agent {
   double held_until_ = 0.0;       // if still held then, the route is given up [s]
   Point3 aside_ = Point3::Zero();
   std::map<int, TrafficAgent> heard_;  // the last of every teammate
+  std::vector<Neighbour> seen_;        // with the last image
   std::vector<VoxelIndex> given_up_;   // not in the belief yet, which others read
   std::size_t departures_ = 0, emergency_stops_ = 0, waits_ = 0;
 };

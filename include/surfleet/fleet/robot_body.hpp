@@ -12,11 +12,17 @@
 #include <surfleet/geometry/pinhole_camera.hpp>
 
 namespace surfleet {
+/// A teammate as a robot sees it.
+struct Neighbour {
+  Point3 position = Point3::Zero();  ///< Of its body's centre, in the world [m].
+  double error = 0.0;                ///< The centre is no farther off than this [m].
+};
+
 /// A robot, real or simulated. What it says of itself is its own estimate; the truth stays with it.
 ///
 /// - `sense()`: a depth image from where it is now.
-/// - `estimate()`: where it believes to be; `neighbours()`: where it believes teammates to be that
-///   may be in its image.
+/// - `estimate()`: where it believes to be; `neighbours()`: where it saw teammates when it last
+///   took an image, all that are near and in doubt too many.
 /// - `follow(path, yaw, watch)`: sets out along `path`, whose first point is where it is, to end
 ///   with heading `yaw`; on the way it looks to `watch` if that is given, which `watch(yaw)`
 ///   changes.
@@ -30,7 +36,7 @@ concept RobotBody = requires(B& body, const B& now, std::span<const Point3> path
                              std::optional<double> watch) {
   { body.sense() } -> std::same_as<DepthImage>;
   { now.estimate() } -> std::convertible_to<Configuration>;
-  { now.neighbours() } -> std::convertible_to<std::vector<Point3>>;
+  { now.neighbours() } -> std::convertible_to<std::vector<Neighbour>>;
   body.follow(path, x, watch);
   body.watch(x);
   { now.way_onto(path) } -> std::convertible_to<std::vector<Point3>>;

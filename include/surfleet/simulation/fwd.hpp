@@ -12,6 +12,7 @@ struct ImageDisc;
 struct JudgeReport;
 class MarkerImages;
 struct MarkerImageOptions;
+struct MarkerSightOptions;
 struct MissionOptions;
 struct MissionPreset;
 struct MissionProgress;

@@ -15,6 +15,7 @@
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/robot_kind.hpp>
 #include <surfleet/planning/surface_belief.hpp>
+#include <surfleet/simulation/world_model.hpp>
 #include <surfleet/viewpoint/coverage_estimate.hpp>
 #include <surfleet/viewpoint/left_reason.hpp>
 
@@ -23,6 +24,9 @@ struct MissionOptions {
   RobotKind kind;               ///< Of all robots.
   SurfaceBeliefOptions belief;  ///< Of the map that they share; its region is the task.
   AgentOptions agent;
+  /// How robots see one another; empty: as they are.
+  NeighbourSense neighbours;
+  bool announces = true;  ///< Robots tell where they go; else they keep apart by sight alone.
   double start_clearance = 2.5;  ///< What is known to be free around every start [m].
   double max_time = 7200.0;      ///< The mission ends at this time at the latest [s].
   int threads = 1;               ///< The result is the same for any number.

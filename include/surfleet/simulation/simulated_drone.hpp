@@ -17,22 +17,24 @@
 
 namespace surfleet {
 /// Models `RobotBody`: it knows the truth, and says it. World and the fleet's true configurations,
-/// in which it keeps its own up to date, must outlive it.
+/// in which it keeps its own up to date, and the sense of neighbours must outlive it.
 template <WorldModel World>
 class SimulatedDrone {
  public:
   SimulatedDrone(World& world, std::size_t robot, std::vector<Configuration>& fleet,
-                 const AerialLimits& limits)
-      : world_(&world), robot_(robot), fleet_(&fleet), motion_(fleet[robot], limits) {}
+                 const AerialLimits& limits, const NeighbourSense& neighbours)
+      : world_(&world),
+        robot_(robot),
+        fleet_(&fleet),
+        motion_(fleet[robot], limits),
+        sense_neighbours_(&neighbours) {}
 
-  DepthImage sense() { return world_->capture(robot_, shot_++, *fleet_); }
-  const Configuration& estimate() const { return (*fleet_)[robot_]; }
-  std::vector<Point3> neighbours() const {
-    std::vector<Point3> mates;
-    for (std::size_t k = 0; k < fleet_->size(); ++k)
-      if (k != robot_) mates.push_back((*fleet_)[k].position);
-    return mates;
+  DepthImage sense() {
+    neighbours_ = *sense_neighbours_ ? (*sense_neighbours_)(robot_, shot_, *fleet_) : mates();
+    return world_->capture(robot_, shot_++, *fleet_);
   }
+  const Configuration& estimate() const { return (*fleet_)[robot_]; }
+  const std::vector<Neighbour>& neighbours() const { return neighbours_; }
   void follow(std::span<const Point3> path, double yaw, std::optional<double> watch) {
     AerialMotion::YawLaw look;
     if (watch) {
@@ -59,10 +61,19 @@ class SimulatedDrone {
   SimulatedDrone& operator=(const SimulatedDrone&) = delete;
 
  private:
+  std::vector<Neighbour> mates() const {
+    std::vector<Neighbour> all;
+    for (std::size_t k = 0; k < fleet_->size(); ++k)
+      if (k != robot_) all.push_back({(*fleet_)[k].position});
+    return all;
+  }
+
   World* world_;
   std::size_t robot_;
   std::vector<Configuration>* fleet_;
   AerialMotion motion_;
+  const NeighbourSense* sense_neighbours_;
+  std::vector<Neighbour> neighbours_;
   double watch_yaw_ = 0.0;
   std::uint64_t shot_ = 0;
 };

@@ -57,7 +57,8 @@ class Simulation {
       require(planning_.planner != nullptr, "planner: expected one, not an empty function");
     for (std::size_t r = 0; r < fleet_.size(); ++r) {
       belief_.add_known_free(0, {fleet_[r].position, options_.start_clearance});
-      bodies_.push_back(std::make_unique<Body>(world, r, fleet_, options_.kind.limits));
+      bodies_.push_back(
+          std::make_unique<Body>(world, r, fleet_, options_.kind.limits, options_.neighbours));
       agents_.push_back(std::make_unique<Agent<Body>>(static_cast<RobotId>(r), 0, *bodies_[r],
                                                       belief_, options_.agent));
     }
@@ -138,7 +139,7 @@ class Simulation {
   /// All tell where they are and will be; then all move, each by what it has heard.
   void move() {
     const std::size_t n = agents_.size();
-    for (std::size_t r = 0; n > 1 && r < n; ++r)
+    for (std::size_t r = 0; options_.announces && n > 1 && r < n; ++r)
       air_.send(
           {.time = time_, .from = static_cast<RobotId>(r), .payload = agents_[r]->announce(time_)});
     for (std::size_t r = 0; r < n; ++r)

@@ -6,9 +6,12 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <vector>
 
 #include <surfleet/core/types.hpp>
+#include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 
 namespace surfleet {
@@ -22,4 +25,10 @@ concept WorldModel = requires(W& world, std::size_t robot, std::uint64_t shot,
                               std::span<const Configuration> fleet) {
   { world.capture(robot, shot, fleet) } -> std::same_as<DepthImage>;
 };
+
+/// What a robot sees of its teammates: `sense(robot, shot, fleet)` with its image of that number,
+/// where all robots are in truth. Asked for different robots at once, for each in the order of its
+/// images. Models: `MarkerSight`.
+using NeighbourSense = std::function<std::vector<Neighbour>(std::size_t robot, std::uint64_t shot,
+                                                            std::span<const Configuration> fleet)>;
 }  // namespace surfleet
