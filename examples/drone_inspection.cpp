@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
   const InspectionSettings& s = a.settings;
   InspectionSite site(open_scene(s), s);
   // Whatever can be refused is refused before the first file is made.
+  const auto begun = begun_map(s);
   site.find_reference(s, site.starts(s, s.robots).front().position);
   const auto out = cli::prepare_output_folder(a.out);
   if (!s.save_images.empty()) cli::prepare_output_folder(s.save_images);
@@ -62,8 +63,9 @@ int run(int argc, char** argv) {
   cli::ProgressLine line(!a.quiet);
 
   CoverageWatch watch(site, s);
-  const InspectionRun run =
-      run_inspection(s, site, [&](const MissionProgress& p, const TsdfMap& map) {
+  const InspectionRun run = run_inspection(
+      s, site,
+      [&](const MissionProgress& p, const TsdfMap& map) {
         watch(p, map);
         char text[160];
         std::snprintf(
@@ -74,7 +76,8 @@ int run(int argc, char** argv) {
             p.incomplete);
         line(text);
         return !cli::interrupted();
-      });
+      },
+      begun ? &*begun : nullptr);
   line.finish();
   // The reconstruction comes first, so that it is there whatever happens to the rest.
   write_inspection(out, run);
@@ -82,11 +85,17 @@ int run(int argc, char** argv) {
   write_judgement(out, s, site, run, judged, watch.curve());
 
   const ReconstructionMetrics& m = judged.evaluation.metrics;
-  std::printf("%s: %s, %d drone%s, planner %s\n", run.result.complete ? "complete" : "ended early",
+  std::printf("%s: %s, %d drone%s, planner %s\n",
+              run.result.complete   ? "complete"
+              : run.result.enough() ? "enough"
+                                    : "ended early",
               site.scene.name.c_str(), s.robots, s.robots == 1 ? "" : "s", s.planner.c_str());
   std::printf("  path %.1f m, time %.0f s, planning %.1f s, machine %.1f s\n",
               run.result.total_path_length(), run.result.completion_time, run.result.planning_time,
               run.wall_time);
+  if (!run.result.complete && run.result.enough())
+    std::printf("  %.1f m at work; about %.1f m^2 of surface known to be there were left\n",
+                run.result.total_path_at_work(), run.result.left_area);
   std::printf("  coverage %.1f %%, RMSE %.2f cm, M3C2 %.2f +- %.2f cm\n",
               100.0 * m.surface_coverage, 100.0 * m.rmse_m, 100.0 * m.m3c2_mean_m,
               100.0 * m.m3c2_std_m);
@@ -101,7 +110,7 @@ int run(int argc, char** argv) {
   if (const std::string doubt = doubts(judged); !doubt.empty())
     std::fprintf(stderr, "drone_inspection: %s\n", doubt.c_str());
   std::printf("  see %s\n", (out / "report.html").c_str());
-  return run.result.complete ? cli::kDone : cli::kIncomplete;
+  return run.result.enough() ? cli::kDone : cli::kIncomplete;
 }
 }  // namespace
 

@@ -17,6 +17,7 @@
 
 #include <surfleet/evaluation/observable_surface.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
+#include <surfleet/mapping/map_file.hpp>
 #include <surfleet/mapping/surface_mesh.hpp>
 #include <surfleet/mapping/surface_points.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
@@ -179,6 +180,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   o.start_clearance = s.known_around_start();
   o.neighbours = neighbour_sense(s, site);
   o.announces = s.announces;
+  o.limits = s.end;
   o.max_time = s.max_time;
   o.threads = s.threads;
   return o;
@@ -190,8 +192,17 @@ TriangleMesh reconstruction_of(const TsdfMap& map, const InspectionSettings& s,
                  region);
 }
 
+std::optional<TsdfMap> begun_map(const InspectionSettings& s) {
+  if (s.begun.empty()) return std::nullopt;
+  TsdfMap map = load_map(std::filesystem::path(s.begun) / "map.sfm");
+  require(map.voxel_size() == s.voxel, "--continue " + s.begun + ": its voxels are of " +
+                                           std::to_string(map.voxel_size()) +
+                                           " m; expected --voxel to say so");
+  return map;
+}
+
 InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
-                             const MissionWatch& progress) {
+                             const MissionWatch& progress, const TsdfMap* begun) {
   const std::vector<Configuration> starts = site.starts(s, s.robots);
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
@@ -199,14 +210,16 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     using Clock = std::chrono::steady_clock;
     const auto before = Clock::now();
     Clock::duration watched{};
-    FlownMission flown = fly_mission(mission_options(s, site), world, starts,
-                                     make_planner(s.planner, s.planner_settings()),
-                                     [&](const MissionProgress& p, const TsdfMap& map) {
-                                       const auto asked = Clock::now();
-                                       const bool go_on = progress(p, map);
-                                       watched += Clock::now() - asked;
-                                       return go_on;
-                                     });
+    MissionOptions options = mission_options(s, site);
+    options.begun = begun;
+    FlownMission flown =
+        fly_mission(options, world, starts, make_planner(s.planner, s.planner_settings()),
+                    [&](const MissionProgress& p, const TsdfMap& map) {
+                      const auto asked = Clock::now();
+                      const bool go_on = progress(p, map);
+                      watched += Clock::now() - asked;
+                      return go_on;
+                    });
     run.wall_time = std::chrono::duration<double>(Clock::now() - before - watched).count();
     run.result = std::move(flown.result);
     run.map = std::move(flown.map);

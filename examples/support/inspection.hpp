@@ -83,9 +83,12 @@ struct InspectionJudgement {
   int keep_out_violations = 0;    ///< Times that a body came into a closed box.
 };
 
-/// `wall_time` leaves out what `progress` takes.
+/// The map of the mission that is gone on with, if any. Throws `Error` if it cannot be.
+std::optional<TsdfMap> begun_map(const InspectionSettings& s);
+
+/// `wall_time` leaves out what `progress` takes; `begun` is the map to go on from, if any.
 InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
-                             const MissionWatch& progress);
+                             const MissionWatch& progress, const TsdfMap* begun = nullptr);
 /// The errors of `mesh` against the site's reference, which must have been found.
 ReconstructionEvaluation evaluate_mesh(const InspectionSettings& s, const InspectionSite& site,
                                        const TriangleMesh& mesh);

@@ -40,6 +40,9 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
     return std::isfinite(v) ? nlohmann::json(v) : nlohmann::json();
   };
   const nlohmann::json none;
+  nlohmann::json stop_reasons = nlohmann::json::array();
+  for (const StopReason r : run.result.stop_reasons)
+    stop_reasons.push_back(std::string(name_of(r)));
   nlohmann::json reasons = nlohmann::json::object();
   for (const auto& [reason, count] : run.result.reasons)
     reasons[std::string(name_of(reason))] = count;
@@ -51,6 +54,8 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"seed", s.seed},
           {"voxel_m", s.voxel},
           {"complete", run.result.complete},
+          {"stop_reason", stop_reasons},
+          {"left_area_m2", run.result.left_area},
           {"completion_time_s", run.result.completion_time},
           {"planning_time_s", run.result.planning_time},
           {"wall_time_s", run.wall_time},
@@ -58,6 +63,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
           {"peak_memory_bytes", peak_memory()},
           {"total_path_length_m", run.result.total_path_length()},
           {"path_length_m", run.result.path_length},
+          {"total_path_at_work_m", run.result.total_path_at_work()},
           {"path_to_coverage_m", milestones},
           {"surface_coverage", m.surface_coverage},
           {"estimated_coverage", run.result.coverage.share()},

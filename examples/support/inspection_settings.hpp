@@ -60,6 +60,8 @@ struct InspectionSettings : MissionPreset {
   std::string cluster_distance = "straight";
   MergeOptions merge;
   int max_looks = 1;
+  MissionLimits end;                 ///< When a mission is over before nothing is left to do.
+  std::string begun;                 ///< Folder of a mission to go on with; empty: none.
   std::string neighbours = "exact";  ///< How drones see one another: exact, markers, none.
   bool announces = true;             ///< Drones tell each other where they go.
   std::string save_images;           ///< Folder for what the cameras see; empty: nowhere.
@@ -202,7 +204,22 @@ class InspectionOptions {
     app.begin_group("Run");
     app.add("--seed", settings.seed, "of noise and roadmap");
     app.add("--threads", settings.threads, "threads; the result is the same for any number");
-    if (explores) app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
+    if (explores) {
+      app.begin_group("End of the mission");
+      app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
+      app.add("--least-gain", settings.end.least_gain,
+              "a drone flies home when its route shows less new surface for a metre flown [m^2/m]; "
+              "default 0: when there is nothing left to do");
+      app.add("--coverage-goal", settings.end.coverage_goal,
+              "all fly home at this share by the mission's own account, 0 to 1");
+      app.add("--endurance-m", settings.end.endurance.distance,
+              "a drone is back at its start before it has flown so far [m]");
+      app.add("--endurance-s", settings.end.endurance.time,
+              "a drone is back at its start before this time [s]");
+      if (program == InspectionProgram::mission)
+        app.add("--continue", settings.begun,
+                "folder of an earlier mission, whose map.sfm is gone on with");
+    }
   }
 
   /// Call once, after parsing: applies the preset under what was given, and checks everything that
@@ -309,6 +326,12 @@ class InspectionOptions {
     positive(s.unknown_margin, "--unknown-margin");
     require(s.unknown_margin <= s.margin, "--unknown-margin: expected at most --margin");
     positive(s.max_time, "--max-time");
+    require(s.end.least_gain >= 0.0 && std::isfinite(s.end.least_gain),
+            "--least-gain: expected 0 or more");
+    const double goal = s.end.coverage_goal.value_or(1.0);
+    require(goal > 0.0 && goal <= 1.0, "--coverage-goal: expected more than 0 and at most 1");
+    positive(s.end.endurance.distance.value_or(1.0), "--endurance-m");
+    positive(s.end.endurance.time.value_or(1.0), "--endurance-s");
     positive(s.known_weight, "--known-weight");
     positive(s.cluster_radius, "--cluster-radius");
     require(s.lambda_tc >= 0.0 && s.lambda_ic >= 0.0,

@@ -58,6 +58,14 @@ unpublished mesh
   --max-time 40 --quiet --out silent >silent.txt || [ $? = 3 ]
 grep -q '"collisions": 0' silent/metrics.json
 
+# A charge brings drones home, and the mission can be gone on with.
+"$bin/drone_inspection" --scene house --robots 2 --seed 3 --endurance-m 12 --quiet --out charge >charge.txt
+grep -q '"complete": false' charge/metrics.json
+grep -q '"endurance"' charge/metrics.json
+"$bin/drone_inspection" --scene house --robots 2 --seed 3 --continue charge --coverage-goal 0.5 --quiet \
+  --out on >on.txt
+grep -q '"stop_reason"' on/metrics.json
+
 # A closed side is not entered, and the architecture is what it was asked to be.
 "$bin/drone_inspection" --scene house --robots 1 --architecture centralized --seed 3 --quiet \
   --keep-out -20 3.5 0 20 20 20 --out closed >closed.txt

@@ -58,6 +58,13 @@ refused drone_inspection --scene house --robots 1.5 --out out
 refused drone_inspection --scene house --ground 1 --out out
 refused drone_inspection --scene house --bounds 40 40 1.5 60 60 10 --start 50 50 5 --out out
 refused drone_inspection --scene house --architecture distributed --out out
+refused drone_inspection --scene house --neighbours blind --out out
+refused drone_inspection --scene house --announcements maybe --out out
+refused drone_inspection --scene house --least-gain -1 --out out
+refused drone_inspection --scene house --coverage-goal 2 --out out
+refused drone_inspection --scene house --endurance-m 0 --out out
+refused drone_inspection --scene house --endurance-s nan --out out
+refused drone_inspection --scene house --continue nowhere --out out
 refused drone_inspection --scene house --architecture single --robots 2 --out out
 refused drone_inspection --scene house --start-clearance 0.5 --out out
 refused drone_inspection --scene house --start-clearance 4.5 --out out

@@ -9,20 +9,23 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include <surfleet/fleet/endurance.hpp>
 #include <surfleet/fleet/robot_body.hpp>
+#include <surfleet/fleet/silent_mates.hpp>
+#include <surfleet/fleet/watchful_heading.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
-#include <surfleet/viewpoint/visibility.hpp>
 
 namespace surfleet {
 struct AgentOptions {
@@ -32,6 +35,7 @@ struct AgentOptions {
   double utility_share = 0.2;  ///< Share of a route's elements whose completion asks for a new
                                ///< plan, unless the planner says another: 1 - c_thres, as
                                ///< `UtilityCheck` reads it.
+  EnduranceLimits endurance{};
 };
 
 /// Carries out the routes of one robot on what is believed [000 §2.5.3, 3.5.2, Alg. 1, 3].
@@ -50,6 +54,8 @@ class Agent {
         body_(&body),
         belief_(&belief),
         options_(options),
+        home_(body.estimate()),
+        endurance_(options.endurance, home_.position, belief.space(kind).kind.limits),
         traffic_(traffic_options(belief.space(kind).kind.limits, options.image_period)) {}
 
   // -- sensing -----------------------------------------------------------------------------------
@@ -82,6 +88,7 @@ class Agent {
     // One that brakes still moves, whatever it is about.
     if (moving() || !body_->standing()) t.path = body_->remaining();
     t.radius = kind().body_radius;
+    t.priority = retired_ ? 1.0 : 0.0;  // a charge does not wait
     t.speed = kind().limits.speed;
     t.idle = route_.empty();
     t.cornered = traffic_.cornered(time);
@@ -91,12 +98,20 @@ class Agent {
   /// Whether it still has its first look around.
   bool scanning() const { return phase_ == Phase::scanning; }
   /// Whether it neither moves nor looks nor has anything to do.
-  bool at_rest() const { return phase_ == Phase::waiting && route_.empty() && body_->standing(); }
+  bool at_rest() const {
+    return phase_ == Phase::waiting && route_.empty() && body_->standing() &&
+           (!retired_ || is_home());
+  }
   /// Whether it has nothing to do, or so much of what its route was made for is complete, or left
   /// behind, that a new one is due (UtilityCheck).
-  bool is_free() const { return route_.empty() || is_spent(); }
+  bool is_free() const { return !retired_ && (route_.empty() || is_spent()); }
   /// Whether it is time to ask for a plan on its behalf.
-  bool asks(double time) const { return route_.empty() ? time >= idle_until_ : is_spent(); }
+  bool asks(double time) const {
+    return !retired_ && (route_.empty() ? time >= idle_until_ : is_spent());
+  }
+  /// Why it does no more, if so, and how far it had gone when it set out for home [m].
+  std::optional<StopReason> stop_reason() const { return retired_; }
+  double travelled_at_work() const { return retired_ ? worked_ : endurance_.travelled(); }
   std::size_t departures() const { return departures_; }  ///< How often it set out for a stop.
   std::size_t emergency_stops() const { return emergency_stops_; }
   std::size_t waits() const { return waits_; }  ///< For teammates.
@@ -125,10 +140,22 @@ class Agent {
     }
   }
 
+  /// Does no more than to go back to its start.
+  void retire(StopReason reason) {
+    if (retired_) return;
+    retired_ = reason;
+    worked_ = endurance_.travelled();
+    route_.clear();
+    initial_work_ = 0;
+    replan_ = {};
+    if (phase_ != Phase::scanning) halt();
+  }
+
   // -- planning ----------------------------------------------------------------------------------
   /// Takes a new route in place of what it has. An empty one leaves it without work: it then asks
   /// less and less often, as a plan is one for all, and disturbs them.
   void accept(Stops route, const ReplanRule& rule, double time) {
+    if (retired_) return;
     const bool same =
         !route.empty() && !route_.empty() && phase_ != Phase::waiting &&
         (route.front().configuration.position - route_.front().configuration.position).norm() <
@@ -146,9 +173,12 @@ class Agent {
   }
   /// Sets out for the next stop if it waits for that, or turns to it in flight.
   void set_out(double time) {
+    if (endurance_.must_return(time, [this] { return way_home(body_->estimate().position); }))
+      retire(StopReason::endurance);
     if (phase_ != Phase::waiting) return;
+    if (retired_ && route_.empty() && !is_home()) route_ = {{home_, {}}};
     if (!body_->standing()) {
-      if (!turns()) body_->stop();
+      if (!turns(time)) body_->stop();
     } else if (!route_.empty()) {
       depart(time);
     }
@@ -173,6 +203,7 @@ class Agent {
     if (!held_) held_until_ = time + kLongestHold;
     if (phase_ == Phase::flying && time > held_until_) give_up_route();
     body_->advance(options_.image_period);
+    endurance_.moved_to(body_->estimate().position);
     if (phase_ == Phase::flying && body_->finished()) phase_ = Phase::looking;
   }
 
@@ -255,6 +286,7 @@ class Agent {
 
   /// Sets off for the first stop that can be reached; the others are noted and dropped.
   void depart(double time) {
+    bool too_far = false;
     while (!route_.empty()) {
       const Stop& stop = route_.front();
       if (is_pointless(stop)) {
@@ -263,22 +295,35 @@ class Agent {
       }
       if (const auto path =
               space().roadmap.query(body_->estimate().position, stop.configuration.position)) {
-        set_off(*path);
-        return;
+        if (affords(*path, time)) return set_off(*path);
+        too_far = true;
+      } else {
+        belief_->not_reached(stop.targets);
       }
-      belief_->not_reached(stop.targets);
       route_.erase(route_.begin());
     }
-    rest(time);
+    if (too_far)
+      retire(StopReason::endurance);
+    else
+      rest(time);
+  }
+  bool is_home() const { return (body_->estimate().position - home_.position).norm() < kHome; }
+  double way_home(const Point3& from) const {
+    const auto path = space().roadmap.query(from, home_.position);
+    return path ? path->length : std::numeric_limits<double>::infinity();
+  }
+  bool affords(const Path& path, double time) const {
+    return retired_ || !endurance_.limited() ||
+           endurance_.affords(path.length + way_home(path.points.back()), time);
   }
   /// Whether the robot, under way to a goal that is none any more, could turn to its next stop.
-  bool turns() {
+  bool turns(double time) {
     if (body_->braking()) return false;
     while (!route_.empty() && is_pointless(route_.front())) route_.erase(route_.begin());
     if (route_.empty()) return false;
     const auto path =
         space().roadmap.query(body_->estimate().position, route_.front().configuration.position);
-    if (!path) return false;
+    if (!path || retired_ || !affords(*path, time)) return false;
     // Who has to turn back is sooner there if it brakes first.
     if (path->points.size() > 1 && body_->velocity().dot(path->points[1] - path->points[0]) < 0.0)
       return false;
@@ -309,7 +354,7 @@ class Agent {
     const TrafficAgent self = announce(time);
     std::vector<TrafficAgent> traffic{self};
     for (const auto& [id, mate] : heard_) traffic.push_back(mate);
-    add_silent(traffic);
+    add_silent_mates(seen_, heard_, self, traffic_.options, traffic);
     const auto free = [this](const Point3& p, const Point3& q) {
       return space().free.is_free_segment(p, q);
     };
@@ -350,26 +395,6 @@ class Agent {
         break;
     }
   }
-  /// Teammates that are seen and have not told of themselves: they may be anywhere that they reach
-  /// before they would see a reason to brake and stand.
-  void add_silent(std::vector<TrafficAgent>& traffic) const {
-    const AerialLimits& limits = kind().limits;
-    const double moves = limits.speed * options_.image_period;
-    const double stops = 0.5 * limits.speed * limits.speed / limits.braking;
-    int id = kSilent;
-    for (const Neighbour& mate : seen_) {
-      const bool told = std::any_of(heard_.begin(), heard_.end(), [&](const auto& h) {
-        return (h.second.position - mate.position).norm() <= h.second.radius + mate.error;
-      });
-      if (told) continue;
-      TrafficAgent silent;
-      silent.id = id++;
-      silent.position = mate.position;
-      silent.radius = kind().body_radius + mate.error + moves + stops;
-      silent.speed = limits.speed;
-      traffic.push_back(silent);
-    }
-  }
   /// The heading with the most incomplete surface in view from here; near the goal, the goal's.
   double where_to_look() const {
     const Configuration& goal = route_.front().configuration;
@@ -380,24 +405,12 @@ class Agent {
       return left < (angle / limits.yaw_rate + 0.5) * limits.speed;
     };
     if (!replan_.watch_on && has_to_turn(kPi)) return goal.yaw;
-    std::vector<SightTarget> near;
-    const double reach = 0.85 * kind().camera.max_range;
-    for (const IncompleteElement& e : belief_->goals())
-      if ((e.position - here).squaredNorm() < reach * reach)
-        near.push_back({e.frontier(belief_->voxel_size()), e.direction, 1.0, 2});
-    if (near.empty()) return goal.yaw;
-    const SightTargets targets(std::move(near), MapSight(belief_->observed()), space().headings,
-                               {.max_range = reach});
-    const std::vector<char> none(targets.size(), 0);
-    const auto worth = worth_by_heading(targets, targets.seen_from(here), none);
-    const auto best = std::max_element(worth.begin(), worth.end());
-    if (*best <= 0.0) return goal.yaw;
-    const double yaw = heading_angle(static_cast<int>(best - worth.begin()));
-    return has_to_turn(std::abs(wrap_angle(goal.yaw - yaw))) ? goal.yaw : yaw;
+    const auto yaw = watchful_heading(*belief_, space(), here);
+    return !yaw || has_to_turn(std::abs(wrap_angle(goal.yaw - *yaw))) ? goal.yaw : *yaw;
   }
 
+  static constexpr double kHome = 0.05;     ///< So near to its start it is there [m].
   static constexpr double kFairLook = 0.4;  ///< Least cosine between n̄_v and the line of sight.
-  static constexpr int kSilent = 1 << 20;   ///< Ids from here on: nobody told them; the last to go.
   static constexpr double kIdle = 2.0;      ///< Between requests of a robot without work [s] …
   static constexpr double kLongestIdle = 30.0;  ///< … when nothing was found time after time.
   static constexpr double kLongestHold = 60.0;  ///< For teammates before a route is given up [s].
@@ -407,6 +420,10 @@ class Agent {
   Body* body_;
   SurfaceBelief* belief_;
   AgentOptions options_;
+  Configuration home_;
+  Endurance endurance_;
+  std::optional<StopReason> retired_;
+  double worked_ = 0.0;  // travelled until then [m]
   TrafficPolicy traffic_;
   ObstacleCheck obstacle_ahead_{.lookahead = 1.5};
   DepthImage image_;

@@ -23,6 +23,10 @@ class CentralPlanning {
   /// Told of every question and its answer, before the answer is carried out.
   std::function<void(const SurfaceSituation&, const Plan&)> on_plan;
 
+  /// A robot goes home when no part of the route it is given shows that much new surface for a
+  /// metre flown, by what the route is made for [m²/m]; 0: never.
+  double least_gain = 0.0;
+
   explicit CentralPlanning(Planner p = {}) : planner(std::move(p)) {}
 
   /// Plans if that is due, hands out the routes, and lets everybody set out. `agents` are the
@@ -85,8 +89,28 @@ class CentralPlanning {
     nothing_planned_ = plan.nothing();
     impossible_ = std::move(plan.impossible);
     for (std::size_t k = 0; k < team.size(); ++k)
-      if (const auto route = plan.routes.find(team[k].id); route != plan.routes.end())
-        agents[k]->accept(std::move(route->second), plan.replan, time);
+      if (const auto route = plan.routes.find(team[k].id); route != plan.routes.end()) {
+        if (is_enough(belief, team[k], route->second))
+          agents[k]->retire(StopReason::enough);
+        else
+          agents[k]->accept(std::move(route->second), plan.replan, time);
+      }
+  }
+  /// Of the route's beginnings the one that pays best counts, along straight lines. Stops that are
+  /// for no element, but to see what is there, may be worth anything.
+  bool is_enough(const SurfaceBelief& belief, const RobotState& robot, const Stops& route) const {
+    if (!(least_gain > 0.0) || route.empty()) return false;
+    const double area = belief.voxel_size() * belief.voxel_size();
+    Point3 here = robot.at.position;
+    double gain = 0.0, way = 0.0;
+    for (const Stop& stop : route) {
+      if (stop.targets.empty()) return false;
+      gain += area * static_cast<double>(stop.targets.size());
+      way += (stop.configuration.position - here).norm();
+      here = stop.configuration.position;
+      if (gain >= least_gain * way) return false;
+    }
+    return true;
   }
 
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;

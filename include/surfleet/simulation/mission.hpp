@@ -3,15 +3,20 @@
 /// @brief What a simulated mission is made with, and what comes of it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <surfleet/core/types.hpp>
 #include <surfleet/fleet/agent.hpp>
+#include <surfleet/fleet/endurance.hpp>
+#include <surfleet/mapping/tsdf_map.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/robot_kind.hpp>
 #include <surfleet/planning/surface_belief.hpp>
@@ -20,6 +25,16 @@
 #include <surfleet/viewpoint/left_reason.hpp>
 
 namespace surfleet {
+/// When a mission is over before there is nothing left to do. With any of these, robots end where
+/// they started.
+struct MissionLimits {
+  double least_gain = 0.0;                ///< See `CentralPlanning::least_gain` [m²/m].
+  std::optional<double> coverage_goal{};  ///< Of the mission's own account, a share.
+  EnduranceLimits endurance{};            ///< Of every robot.
+
+  bool any() const { return least_gain > 0.0 || coverage_goal || endurance.any(); }
+};
+
 struct MissionOptions {
   RobotKind kind;               ///< Of all robots.
   SurfaceBeliefOptions belief;  ///< Of the map that they share; its region is the task.
@@ -28,8 +43,10 @@ struct MissionOptions {
   NeighbourSense neighbours;
   bool announces = true;  ///< Robots tell where they go; else they keep apart by sight alone.
   double start_clearance = 2.5;  ///< What is known to be free around every start [m].
-  double max_time = 7200.0;      ///< The mission ends at this time at the latest [s].
-  int threads = 1;               ///< The result is the same for any number.
+  MissionLimits limits;
+  const TsdfMap* begun = nullptr;  ///< What an earlier mission has left, to go on from; or nothing.
+  double max_time = 7200.0;        ///< The mission ends at this time at the latest [s].
+  int threads = 1;                 ///< The result is the same for any number.
 };
 
 /// A row of the mission's history.
@@ -69,16 +86,25 @@ struct MissionResult {
   double planning_time = 0.0;    ///< Of the machine, in the high-level planner [s].
   std::vector<std::vector<TimedConfiguration>> trajectories;  ///< One a robot.
   std::vector<double> path_length;                            ///< One a robot [m].
-  std::size_t remaining = 0;                                  ///< Incomplete elements at the end.
-  CoverageEstimate coverage;                                  ///< By its own account, at the end.
-  std::map<LeftReason, std::size_t> reasons;                  ///< Of all that remain.
-  std::vector<MissionProgress> history;                       ///< About once in ten seconds.
+  std::vector<double> path_at_work;           ///< The same without the flights home at the end [m].
+  std::vector<StopReason> stop_reasons;       ///< One a robot.
+  double left_area = 0.0;                     ///< Of elements still worth planning for [m²].
+  std::size_t remaining = 0;                  ///< Incomplete elements at the end.
+  CoverageEstimate coverage;                  ///< By its own account, at the end.
+  std::map<LeftReason, std::size_t> reasons;  ///< Of all that remain.
+  std::vector<MissionProgress> history;       ///< About once in ten seconds.
   std::size_t images = 0, plans = 0, emergency_stops = 0, waits = 0;
 
+  /// Whether every robot stopped for a reason that was asked for.
+  bool enough() const {
+    return std::none_of(stop_reasons.begin(), stop_reasons.end(),
+                        [](StopReason r) { return r == StopReason::ended; });
+  }
   double total_path_length() const {
-    double sum = 0.0;
-    for (const double l : path_length) sum += l;
-    return sum;
+    return std::accumulate(path_length.begin(), path_length.end(), 0.0);
+  }
+  double total_path_at_work() const {
+    return std::accumulate(path_at_work.begin(), path_at_work.end(), 0.0);
   }
 };
 }  // namespace surfleet

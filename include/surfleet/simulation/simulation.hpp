@@ -49,12 +49,16 @@ class Simulation {
   Simulation(MissionOptions options, World& world, std::span<const Configuration> starts,
              Planner planner = {})
       : options_(checked(std::move(options), starts)),
-        belief_(options_.belief, std::span<const RobotKind>(&options_.kind, 1)),
+        belief_(
+            options_.belief, std::span<const RobotKind>(&options_.kind, 1),
+            options_.begun ? *options_.begun : TsdfMap({.voxel_size = options_.belief.voxel_size})),
         planning_(std::move(planner)),
         fleet_(starts.begin(), starts.end()),
         air_(starts.size()) {
     if constexpr (std::is_same_v<Planner, AnyPlanner>)
       require(planning_.planner != nullptr, "planner: expected one, not an empty function");
+    planning_.least_gain = options_.limits.least_gain;
+    options_.agent.endurance = options_.limits.endurance;
     for (std::size_t r = 0; r < fleet_.size(); ++r) {
       belief_.add_known_free(0, {fleet_[r].position, options_.start_clearance});
       bodies_.push_back(
@@ -84,10 +88,7 @@ class Simulation {
       look();
       for (const auto& agent : agents_) agent->check_stop();
       planning_(agents_, belief_, time_);
-      if (planning_.finished(agents_, belief_)) {
-        result_.complete = true;
-        break;
-      }
+      if (planning_.finished(agents_, belief_) && over()) break;
       move();
       time_ = static_cast<double>(++step_) * options_.agent.image_period;
       record();
@@ -103,7 +104,13 @@ class Simulation {
     result_.completion_time = time_;
     result_.plans = planning_.plans();
     result_.planning_time = planning_.planning_time();
+    result_.left_area =
+        static_cast<double>(belief_.goals().size()) * belief_.voxel_size() * belief_.voxel_size();
     for (const auto& agent : agents_) {
+      result_.path_at_work.push_back(agent->travelled_at_work());
+      result_.stop_reasons.push_back(!ended_                ? StopReason::ended
+                                     : agent->stop_reason() ? *agent->stop_reason()
+                                                            : StopReason::complete);
       result_.emergency_stops += agent->emergency_stops();
       result_.waits += agent->waits();
     }
@@ -130,6 +137,20 @@ class Simulation {
     return o;
   }
 
+  /// With nothing left to do, or nobody to do it: true once all are where they are to end.
+  bool over() {
+    ended_ = true;
+    if (options_.limits.any())
+      for (const auto& agent : agents_) {
+        agent->retire(StopReason::complete);
+        ended_ = ended_ && agent->at_rest();
+      }
+    result_.complete = ended_;
+    for (const auto& agent : agents_)
+      if (agent->stop_reason().value_or(StopReason::complete) != StopReason::complete)
+        result_.complete = false;
+    return ended_;
+  }
   void look() {
     parallel_for(agents_.size(), options_.threads, [&](std::size_t r) { agents_[r]->sense(); });
     for (const auto& agent : agents_) agent->integrate();
@@ -162,6 +183,8 @@ class Simulation {
     if (time_ >= next_estimate_) {
       estimate_ = belief_.estimate_coverage().share();
       next_estimate_ = std::max(kEstimates * time_, time_ + kFirstEstimate);
+      if (estimate_ >= options_.limits.coverage_goal.value_or(2.0))
+        for (const auto& agent : agents_) agent->retire(StopReason::coverage_goal);
     }
     const MissionProgress progress = current();
     if (result_.history.empty() || time_ >= result_.history.back().time + 10.0)
@@ -200,6 +223,7 @@ class Simulation {
   PerfectTransport<TrafficAgent> air_;
   std::vector<std::unique_ptr<Body>> bodies_;
   std::vector<std::unique_ptr<Agent<Body>>> agents_;
+  bool ended_ = false;  // by the robots themselves
   std::uint64_t step_ = 0;
   double time_ = 0.0, next_estimate_ = 0.0, estimate_ = 0.0;
   MissionResult result_;

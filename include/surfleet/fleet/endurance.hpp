@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief How far and how long a robot can go on before it has to be back where it started.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/types.hpp>
+#include <surfleet/motion/kinematics.hpp>
+
+namespace surfleet {
+/// Why a robot does no more.
+enum class StopReason : std::uint8_t {
+  complete,       ///< There was nothing left to do.
+  enough,         ///< What was left was worth less than the least gain.
+  coverage_goal,  ///< The share that was asked for is reached, by the mission's own account.
+  endurance,      ///< It had to be back at its start.
+  ended           ///< The mission was ended, by time or from outside.
+};
+inline std::string_view name_of(StopReason reason) {
+  constexpr std::string_view kNames[] = {"complete", "enough", "coverage_goal", "endurance",
+                                         "ended"};
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+/// What a charge lasts; the robot is back at its start before that.
+struct EnduranceLimits {
+  std::optional<double> distance{};  ///< [m]
+  std::optional<double> time{};      ///< From the mission's begin [s].
+
+  bool any() const { return distance || time; }
+};
+
+/// A robot's account of its charge.
+///
+/// A reserve is kept beyond the way home: to brake and come round, and a tenth of the way, as paths
+/// are followed with cut corners and steps aside. In time, also for turning about and for waiting.
+class Endurance {
+ public:
+  /// Throws `Error` on limits that are not positive.
+  Endurance(const EnduranceLimits& limits, const Point3& home, const AerialLimits& motion)
+      : limits_(limits), motion_(motion), last_(home), home_(home) {
+    require(limits.distance.value_or(1.0) > 0.0 && limits.time.value_or(1.0) > 0.0,
+            "endurance: expected more than 0 m and 0 s");
+  }
+
+  bool limited() const { return limits_.any(); }
+  const Point3& home() const { return home_; }
+  double travelled() const { return travelled_; }  ///< Since the start [m].
+
+  void moved_to(const Point3& position) {
+    const double step = (position - last_).norm();
+    travelled_ += step;
+    way_home_ += step;  // it cannot have become longer by more
+    last_ = position;
+  }
+  /// Whether a flight of `metres` at `time`, the way home included, leaves the reserve.
+  bool affords(double metres, double time) const {
+    const double stop = motion_.speed * motion_.speed / motion_.braking;
+    const double way = kDetour * metres + 2.0 * stop + motion_.speed;
+    if (limits_.distance && travelled_ + way > *limits_.distance) return false;
+    const double turning = 2.0 * kPi / motion_.yaw_rate + motion_.speed / motion_.acceleration;
+    return !limits_.time || time + way / motion_.speed + turning + kWaiting <= *limits_.time;
+  }
+  /// Whether it has to set out for home now. `way_home()` [m] is asked for only when a bound from
+  /// the last answer does not decide.
+  template <typename WayHome>
+  bool must_return(double time, const WayHome& way_home) {
+    if (!limited() || affords(way_home_, time)) return false;
+    way_home_ = way_home();
+    return !affords(way_home_, time);
+  }
+
+ private:
+  static constexpr double kDetour = 1.1;
+  static constexpr double kWaiting = 10.0;  ///< For teammates [s].
+
+  EnduranceLimits limits_;
+  AerialLimits motion_;
+  Point3 last_, home_;
+  double travelled_ = 0.0;
+  double way_home_ = 0.0;  // a bound
+};
+}  // namespace surfleet

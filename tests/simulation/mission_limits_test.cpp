@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/fleet/endurance.hpp>
+
+#include <algorithm>
+#include <vector>
+
+#include "box_world.hpp"
+#include "check.hpp"
+
+#include <surfleet/planning/named_planners.hpp>
+#include <surfleet/simulation/fly_mission.hpp>
+
+namespace {
+using namespace surfleet;
+
+FlownMission fly_within(const MissionLimits& limits, int robots, const TsdfMap* begun = nullptr) {
+  box_world::World world;
+  MissionOptions o = box_world::options(world);
+  o.limits = limits;
+  o.begun = begun;
+  return fly_mission(o, world, box_world::starts(robots),
+                     make_planner("surfleet", {.standoff = 2.0}));
+}
+/// Every robot has ended where it started.
+void check_home(const MissionResult& result) {
+  for (const auto& t : result.trajectories)
+    CHECK((t.back().configuration.position - t.front().configuration.position).norm() < 0.06);
+}
+
+TEST(a_charge_brings_every_robot_home) {
+  for (const double metres : {3.0, 8.0, 15.0})
+    for (const int robots : {1, 2}) {
+      const MissionResult result = fly_within({.endurance = {.distance = metres}}, robots).result;
+      check_home(result);
+      bool spent = false;
+      for (std::size_t r = 0; r < result.path_length.size(); ++r) {
+        CHECK(result.path_length[r] <= metres);
+        CHECK(result.path_at_work[r] <= result.path_length[r] + 1e-9);
+        spent = spent || result.stop_reasons[r] == StopReason::endurance;
+      }
+      CHECK(spent == !result.complete);
+      CHECK(result.enough());
+      if (metres < 10.0) CHECK(spent && result.left_area > 0.0);
+    }
+  for (const double seconds : {40.0, 90.0}) {
+    const MissionResult result = fly_within({.endurance = {.time = seconds}}, 2).result;
+    check_home(result);
+    CHECK(result.completion_time <= seconds);
+  }
+  CHECK_THROWS(Error, fly_within({.endurance = {.distance = -1.0}}, 1));
+}
+TEST(a_goal_of_coverage_ends_a_mission) {
+  const MissionResult all = fly_within({}, 1).result;
+  CHECK(all.complete && all.stop_reasons[0] == StopReason::complete);
+  CHECK_NEAR(all.path_at_work[0], all.path_length[0], 1e-6);
+  const MissionResult part = fly_within({.coverage_goal = 0.5}, 1).result;
+  check_home(part);
+  CHECK(!part.complete && part.enough() && part.stop_reasons[0] == StopReason::coverage_goal);
+  CHECK(part.coverage.share() >= 0.5 && part.path_at_work[0] < all.path_at_work[0]);
+}
+TEST(robots_go_home_when_what_is_left_pays_too_little) {
+  const MissionResult none = fly_within({.least_gain = 1e6}, 2).result;
+  check_home(none);
+  for (const StopReason r : none.stop_reasons) CHECK(r == StopReason::enough);
+  const MissionResult all = fly_within({.least_gain = 1e-9}, 1).result;
+  check_home(all);
+  CHECK(all.complete && all.path_length[0] > all.path_at_work[0]);
+}
+TEST(a_mission_goes_on_from_the_map_of_another) {
+  const FlownMission first = fly_within({.endurance = {.distance = 8.0}}, 1);
+  CHECK(!first.result.complete);
+  const FlownMission second = fly_within({}, 1, &first.map);
+  CHECK(second.result.complete);
+  CHECK(second.result.coverage.share() > first.result.coverage.share());
+  const FlownMission third = fly_within({}, 1, &second.map);
+  CHECK(third.result.complete && third.result.path_length[0] < 0.5 * second.result.path_length[0]);
+}
+}  // namespace
