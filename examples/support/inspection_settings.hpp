@@ -18,6 +18,7 @@
 #include <surfleet/geometry/text_scanner.hpp>
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/planning/named_planners.hpp>
+#include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/presets.hpp>
 #include <surfleet/simulation/random_scene.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>

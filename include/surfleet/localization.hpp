@@ -9,6 +9,7 @@
 #include <surfleet/localization/blobs.hpp>
 #include <surfleet/localization/connected_components.hpp>
 #include <surfleet/localization/estimate_pose.hpp>
+#include <surfleet/localization/hough_circles.hpp>
 #include <surfleet/localization/identify.hpp>
 #include <surfleet/localization/identify_targets.hpp>
 #include <surfleet/localization/image_thresholds.hpp>

@@ -91,6 +91,45 @@ TEST(two_discs_that_touch_are_two) {
       extract_blobs(draw(scenes::printed_camera(), MarkerTarget{}, Pose::Identity(), discs));
   CHECK(blobs.size() == 2);
 }
+TEST(discs_that_overlap_are_told_apart_by_their_circles) {
+  MarkerImages draw;
+  const auto camera = scenes::printed_camera();
+  const std::vector<std::vector<ImageDisc>> groups{
+      {{{100.3, 100.0}, 9.0, false}, {{116.0, 103.5}, 9.0, false}},
+      {{{300.0, 200.2}, 8.0, false}, {{310.6, 200.0}, 8.0, false}, {{320.9, 201.0}, 8.0, false}}};
+  for (const auto& discs : groups) {
+    const auto blobs = extract_blobs(draw(camera, MarkerTarget{}, Pose::Identity(), discs));
+    CHECK(blobs.size() == discs.size());
+    for (const ImageDisc& d : discs) {
+      double least = 1e9;
+      for (const Blob& b : blobs) {
+        least = std::min(least, (b.center - d.center).norm());
+        CHECK_NEAR(b.diameter, 2.0 * d.radius, 3.5);  // at λ₂ blur counts
+      }
+      CHECK(least < 0.8);
+    }
+  }
+  // A streak is none of them.
+  const GreyImage streak = [] {
+    GreyImage image(200, 100);
+    for (int v = 40; v < 52; ++v)
+      for (int u = 50; u < 70; ++u) image(u, v) = 220;
+    return image;
+  }();
+  CHECK(extract_blobs(streak).size() <= 1);
+}
+TEST(circles_are_fitted_exactly_and_found_in_outlines) {
+  std::vector<Point2> points;
+  for (int k = 0; k < 40; ++k)
+    points.push_back(Point2(3.2, -1.7) + 6.5 * Point2(std::cos(0.1 * k), std::sin(0.1 * k)));
+  const auto circle = fit_circle(points);
+  CHECK(circle && (circle->center - Point2(3.2, -1.7)).norm() < 1e-9);
+  CHECK_NEAR(circle->radius, 6.5, 1e-9);
+  points.clear();
+  for (int k = 0; k < 9; ++k) points.emplace_back(k, 2.0 * k);
+  CHECK(!fit_circle(points));
+  CHECK(hough_circles({}, 2.0, 9.0).empty());
+}
 TEST(components_are_those_of_a_flood) {
   Random random(21);
   GreyImage image(60, 40);

@@ -18,6 +18,7 @@
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/localization/connected_components.hpp>
+#include <surfleet/localization/hough_circles.hpp>
 #include <surfleet/localization/image_thresholds.hpp>
 
 namespace surfleet {
@@ -161,8 +162,9 @@ inline GreyImage inverted(const GreyImage& image) {
 ///
 /// λ₁ by Otsu finds where they are, λ₂, less restrictive, their whole shape, in a window about
 /// each; what is too small, too large, not convex or not round is dropped each time. Where fewer
-/// are left than `markers`, blobs that are not convex are eroded until they fall apart. O(pixels)
-/// and the same for any number of bright specks. Nothing in images without contrast.
+/// are left than `markers`, blobs whose outline is that of overlapping discs become those discs,
+/// and others that are not convex are eroded until they fall apart. O(pixels) and the same for any
+/// number of bright specks. Nothing in images without contrast.
 inline std::vector<Blob> extract_blobs(const GreyImage& original, const BlobOptions& options = {},
                                        const std::optional<PixelWindow>& roi = {}) {
   require(original.width > 0 && original.height > 0, "blobs: expected an image with pixels");
@@ -194,6 +196,8 @@ inline std::vector<Blob> extract_blobs(const GreyImage& original, const BlobOpti
     return b.area >= options.min_area && b.area <= options.max_area && b.convexity >= convexity &&
            b.roundness >= options.min_roundness;
   };
+  constexpr double kExplained = 0.95;  // share of an outline that circles must be all of
+  constexpr int kLargestGroup = 120;   // in which circles are looked for [px]
   std::vector<PixelComponent> refused;
   std::vector<std::pair<int, int>> starts;  // of components at λ₂, not to count one twice
   for (const PixelComponent& seed : seeds) {
@@ -227,9 +231,26 @@ inline std::vector<Blob> extract_blobs(const GreyImage& original, const BlobOpti
     else if (whole->area > options.min_area)
       refused.push_back(std::move(*whole));
   }
+  const auto by_circles = [&](const PixelComponent& c) {
+    if (std::max(c.box.right - c.box.left, c.box.bottom - c.box.top) > kLargestGroup) return false;
+    Blob blob = detail::measure_blob(image, c, background.mean, window);
+    const int side = std::min(c.box.right - c.box.left, c.box.bottom - c.box.top);
+    const auto outline = outline_of(c);
+    const auto circles = hough_circles(outline, std::max(0.35 * side, 3.0), 0.6 * side);
+    if (circles.size() < 2 || explained(outline, circles) < kExplained) return false;
+    blob.convexity = blob.roundness = 1.0;
+    for (const Circle& circle : circles) {
+      blob.center = circle.center;
+      blob.diameter = 2.0 * circle.radius;
+      blob.area = static_cast<int>(kPi * circle.radius * circle.radius);
+      if (accepted(blob)) blobs.push_back(blob);
+    }
+    return true;
+  };
   // Merged ones fall apart. Their parts keep the centres they had, near enough.
-  if (blobs.size() < options.markers && !options.keep_merged)
+  if (blobs.size() < options.markers && !options.keep_merged) {
     for (const PixelComponent& c : refused) {
+      if (by_circles(c)) continue;
       std::vector<PixelComponent> parts{c};
       for (int round = 0; round < 64 && parts.size() == 1; ++round) {
         parts = detail::eroded(parts[0]);
@@ -241,6 +262,7 @@ inline std::vector<Blob> extract_blobs(const GreyImage& original, const BlobOpti
         if (accepted(blob)) blobs.push_back(blob);
       }
     }
+  }
   if (options.keep_merged)
     for (const PixelComponent& c : refused) {
       Blob blob = detail::measure_blob(image, c, background.mean, window);

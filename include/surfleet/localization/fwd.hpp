@@ -6,6 +6,7 @@
 namespace surfleet {
 struct Blob;
 struct BlobOptions;
+struct Circle;
 struct Identification;
 struct IdentifyOptions;
 struct KneipP3p;
