@@ -10,6 +10,8 @@ struct MapFileOptions;
 struct MapPatch;
 class MeshExtractor;
 struct MeshOptions;
+class PatchFusion;
+struct PatchFusionOptions;
 struct PatchId;
 struct PatchKey;
 struct PatchLimits;
