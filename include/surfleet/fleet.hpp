@@ -7,5 +7,8 @@
 
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/fleet/central_planning.hpp>
+#include <surfleet/fleet/impaired.hpp>
+#include <surfleet/fleet/network_conditions.hpp>
+#include <surfleet/fleet/packet.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/single_agent.hpp>

@@ -5,4 +5,7 @@
 
 namespace surfleet {
 struct AgentOptions;
+struct Envelope;
+struct NetworkConditions;
+struct Packet;
 }  // namespace surfleet
