@@ -10,5 +10,7 @@
 #include <surfleet/fleet/impaired.hpp>
 #include <surfleet/fleet/network_conditions.hpp>
 #include <surfleet/fleet/packet.hpp>
+#include <surfleet/fleet/patch_ids.hpp>
+#include <surfleet/fleet/patch_sync.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/single_agent.hpp>

@@ -8,4 +8,6 @@ struct AgentOptions;
 struct Envelope;
 struct NetworkConditions;
 struct Packet;
+class PatchIdSet;
+struct PatchSyncOptions;
 }  // namespace surfleet
