@@ -15,7 +15,10 @@
 /// 5. and for each such the rest (varint).
 /// 6. hits of blocks with flag 4: a block's number of them less 1, then how far each key is from
 /// the
-///    one before (varints); 7. weights; 8. what passed (varints); 9. positions, 10. normals.
+///    one before (varints); 7. weights less that of the hit before of the same side (zigzag
+///    varints);
+///    8. what passed (varints); 9. to 14. positions and normals, one coordinate after the other,
+///    each a byte: what it exceeds that of the hit before of the same side by, modulo 256.
 ///
 /// A value is predicted from the seven voxels before it in x, y and z, of its own block or of those
 /// before: as if x, y and z added up (Lorenzo); where some were not seen, from those that were.
@@ -148,7 +151,9 @@ class PredictionWindow {
 enum PatchBlockFlag : std::uint8_t { kAllSeen = 1, kAllFree = 2, kHasHits = 4 };
 
 inline Bytes put_patch_blocks(std::span<const PatchBlock> blocks, const BlockBox& box) {
-  ByteWriter shape, masks, distances, weights, rests, keys, hit_weights, passes, positions, normals;
+  ByteWriter shape, masks, distances, weights, rests, keys, hit_weights, passes;
+  std::array<ByteWriter, 6> means;
+  std::array<PatchHit, 8> last{};  // by side
   std::uint64_t next = 0;
   int seen_count = 0;
   for (std::size_t at = 0; at < blocks.size(); ++at) {
@@ -187,16 +192,24 @@ inline Bytes put_patch_blocks(std::span<const PatchBlock> blocks, const BlockBox
     for (const PatchHit& h : b.hits) {
       put_varint(keys, h.key - key);
       key = h.key + std::uint64_t{1};
-      put_varint(hit_weights, h.weight);
+      PatchHit& before = last[h.key & 7U];
+      put_varint(hit_weights, zigzag(std::int64_t{h.weight} - before.weight));
       put_varint(passes, h.passed);
-      positions.put(h.position);
-      normals.put(h.normal);
+      for (std::size_t k = 0; k < 3; ++k) {
+        means[k].put(static_cast<std::uint8_t>(h.position[k] - before.position[k]));
+        means[3 + k].put(static_cast<std::uint8_t>(h.normal[k] - before.normal[k]));
+      }
+      before = h;
     }
   }
   ByteWriter all;
-  for (const ByteWriter* stream : {&shape, &masks, &distances, &weights, &rests, &keys,
-                                   &hit_weights, &passes, &positions, &normals})
-    all.put_array(std::span<const std::byte>(stream->bytes()));
+  const auto append = [&](const ByteWriter& stream) {
+    all.put_array(std::span<const std::byte>(stream.bytes()));
+  };
+  for (const ByteWriter* stream :
+       {&shape, &masks, &distances, &weights, &rests, &keys, &hit_weights, &passes})
+    append(*stream);
+  for (const ByteWriter& stream : means) append(stream);
   return all.take();
 }
 
@@ -301,24 +314,34 @@ inline std::vector<PatchBlock> get_patch_blocks(std::span<const std::byte> bytes
       key += skip + 1;
     }
   }
-  const auto weight = [&] {
+  std::array<std::int64_t, 8> last_weight{};  // by side
+  each_hit([&](PatchHit& h) {
+    const std::uint64_t rest = get_varint(in, what);
+    sound(rest <= std::uint64_t{4} * kPatchMaxWeight, "hit's weight out of bounds");
+    std::int64_t& w = last_weight[h.key & 7U];
+    w += unzigzag(rest);
+    sound(w >= 0 && w <= std::int64_t{most_weight}, "hit's weight that no such images give");
+    h.weight = static_cast<std::uint32_t>(w);
+  });
+  each_hit([&](PatchHit& h) {
     const std::uint64_t w = get_varint(in, what);
     sound(w <= most_weight, "hit's weight that no such images give");
-    return static_cast<std::uint32_t>(w);
-  };
-  each_hit([&](PatchHit& h) { h.weight = weight(); });
-  each_hit([&](PatchHit& h) {
-    h.passed = weight();
+    h.passed = static_cast<std::uint32_t>(w);
     sound(h.weight != 0 || h.passed != 0, "hit without weight");
   });
-  const auto means = [&](const PatchHit& h, std::array<std::int8_t, 3>& values, int most) {
-    for (std::int8_t& v : values) {
-      v = in.get<std::int8_t>();
-      sound(v >= -most && v <= most && (h.weight != 0 || v == 0), "hit out of its voxel");
+  const auto means = [&](auto PatchHit::*values, int most) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::array<std::int8_t, 8> last{};  // by side
+      each_hit([&](PatchHit& h) {
+        std::int8_t& v = last[h.key & 7U];
+        v = static_cast<std::int8_t>(static_cast<std::uint8_t>(v + in.get<std::uint8_t>()));
+        sound(v >= -most && v <= most && (h.weight != 0 || v == 0), "hit out of its voxel");
+        (h.*values)[k] = v;
+      });
     }
   };
-  each_hit([&](PatchHit& h) { means(h, h.position, SurfaceHit::kSteps); });
-  each_hit([&](PatchHit& h) { means(h, h.normal, SurfaceHit::kNormal); });
+  means(&PatchHit::position, SurfaceHit::kSteps);
+  means(&PatchHit::normal, SurfaceHit::kNormal);
   sound(in.remaining() == 0, "bytes after the last hit; expected the end");
   return blocks;
 }
