@@ -35,6 +35,7 @@ endfunction()
 surfleet_adapter(fcl fcl fcl fcl_body.hpp fcl_mesh_judge.hpp)
 surfleet_adapter(embree embree embree embree_ray_caster.hpp)
 surfleet_adapter(png PNG PNG::PNG png_depth.hpp png_reader.hpp png_writer.hpp)
+surfleet_adapter(zstd zstd zstd::libzstd_shared zstd_codec.hpp)
 
 # What takes the compiler long, compiled once: for who builds this project along with theirs.
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/compiled/*.cpp)

@@ -8,8 +8,13 @@
 #include <surfleet/mapping/block_bits.hpp>
 #include <surfleet/mapping/distance_transform.hpp>
 #include <surfleet/mapping/map_file.hpp>
+#include <surfleet/mapping/map_patch.hpp>
 #include <surfleet/mapping/marching_cubes.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
+#include <surfleet/mapping/moved_patch.hpp>
+#include <surfleet/mapping/patch_codec.hpp>
+#include <surfleet/mapping/patch_fusion.hpp>
+#include <surfleet/mapping/patch_recorder.hpp>
 #include <surfleet/mapping/projective_update.hpp>
 #include <surfleet/mapping/ray_traversal_update.hpp>
 #include <surfleet/mapping/surface_hits.hpp>

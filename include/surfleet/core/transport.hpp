@@ -40,7 +40,7 @@ struct Message {
 /// - `receive(robot)`: what has arrived there since the last call, each message once, in the order
 ///   (time, sender, sequence), whatever the order of sending.
 ///
-/// Models: `PerfectTransport`.
+/// Models: `PerfectTransport`; `SimulatedNetwork` and `Impaired` (`fleet/impaired.hpp`).
 template <typename T>
 concept Transport = requires(T& transport, Message<typename T::Payload> message, RobotId robot) {
   transport.send(std::move(message));

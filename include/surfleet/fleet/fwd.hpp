@@ -5,4 +5,14 @@
 
 namespace surfleet {
 struct AgentOptions;
+struct Envelope;
+class MessageGuard;
+struct MessageGuardOptions;
+struct NetworkConditions;
+struct NewsHead;
+struct Packet;
+class PatchIdSet;
+struct PatchSyncOptions;
+class TeamRelay;
+struct TeamRelayOptions;
 }  // namespace surfleet

@@ -7,8 +7,15 @@ namespace surfleet {
 struct ConstantWeight;
 struct InverseSquareWeight;
 struct MapFileOptions;
+struct MapPatch;
 class MeshExtractor;
 struct MeshOptions;
+class PatchFusion;
+struct PatchFusionOptions;
+struct PatchId;
+struct PatchKey;
+struct PatchLimits;
+struct PatchRecorderOptions;
 class ProjectiveUpdate;
 class RayTraversalUpdate;
 struct TsdfOptions;

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief A robot's state or route on its way through a team, as bytes.
+///
+/// A body of kind `state`: whom its sender hears itself (number, then ids); number of news; of
+/// each: robot, incarnation, number (varints); hops (uint8); age [s] (float32); then kind (varint),
+/// idle (uint8), position and yaw (4 × float64), the path ahead (number, 3 × float32 a point). A
+/// body of kind `route` has for each the same beginning, and then its stops (number); of each
+/// position and yaw (4 × float64) and its targets (number, 3 zigzag varints a voxel).
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/binary_io.hpp>
+#include <surfleet/mapping/detail/hit_codec.hpp>
+#include <surfleet/planning/plan.hpp>
+
+namespace surfleet {
+/// Which news, and how it came. Ages count from when things were said and heard: nobody's clock is
+/// compared with another's.
+struct NewsHead {
+  RobotId robot = 0;              ///< Whose state or route.
+  std::uint32_t incarnation = 0;  ///< Of that robot.
+  std::uint32_t number = 0;       ///< Later news have higher ones.
+  std::uint8_t hops = 0;          ///< Robots that passed it on.
+  double age = 0.0;               ///< [s]
+
+  bool newer_than(const NewsHead& o) const {
+    return std::tie(incarnation, number) > std::tie(o.incarnation, o.number);
+  }
+};
+struct StateNews {
+  NewsHead head;
+  RobotState state;  ///< Without its route.
+};
+struct RouteNews {
+  NewsHead head;
+  Stops route;
+};
+struct StateMessage {
+  std::set<RobotId> hears;  ///< Whom its sender hears itself.
+  std::vector<StateNews> news;
+};
+
+namespace detail {
+inline constexpr std::uint64_t kMostNews = 256, kMostAhead = 1024, kMostStops = 1024,
+                               kMostTargets = 1 << 16;
+inline constexpr double kMostMetres = 1e7, kMostAge = 1e6;
+
+class NewsReader {
+ public:
+  NewsReader(std::span<const std::byte> bytes, std::string what)
+      : in_(bytes, what), what_(std::move(what)) {}
+  std::uint64_t number(std::uint64_t most) {
+    const std::uint64_t n = get_varint(in_, what_);
+    if (n > most) throw Error(what_ + ": a number beyond its bounds");
+    return n;
+  }
+  /// How many follow, of which each has at least `bytes`.
+  std::size_t count(std::uint64_t most, std::size_t bytes) {
+    const std::uint64_t n = number(most);
+    if (n > in_.remaining() / bytes) throw Error(what_ + ": ends early");
+    return static_cast<std::size_t>(n);
+  }
+  template <typename T>
+  double real(double most) {
+    const auto v = static_cast<double>(in_.get<T>());
+    if (!(std::abs(v) <= most)) throw Error(what_ + ": a value beyond its bounds");
+    return v;
+  }
+  template <typename T>
+  Point3 point() {
+    Point3 p;
+    for (int k = 0; k < 3; ++k) p[k] = real<T>(kMostMetres);
+    return p;
+  }
+  std::uint8_t byte() { return in_.get<std::uint8_t>(); }
+  int coordinate() {
+    const std::int64_t v = unzigzag(number(std::numeric_limits<std::uint32_t>::max()));
+    if (v <= -(std::int64_t{1} << 30) || v >= std::int64_t{1} << 30)
+      throw Error(what_ + ": voxel outside the grid");
+    return static_cast<int>(v);
+  }
+  Configuration configuration() {
+    Configuration c;
+    c.position = point<double>();
+    c.yaw = real<double>(1e3);
+    return c;
+  }
+  NewsHead head() {
+    constexpr std::uint64_t kMax = std::numeric_limits<std::uint32_t>::max();
+    NewsHead h;
+    h.robot = static_cast<RobotId>(number(kMax));
+    h.incarnation = static_cast<std::uint32_t>(number(kMax));
+    h.number = static_cast<std::uint32_t>(number(kMax));
+    h.hops = byte();
+    h.age = real<float>(kMostAge);
+    if (h.age < 0.0) throw Error(what_ + ": news of the future");
+    return h;
+  }
+  void finish() const {
+    if (in_.remaining() != 0) throw Error(what_ + ": bytes after its end");
+  }
+
+ private:
+  ByteReader in_;
+  std::string what_;
+};
+inline void put_point(ByteWriter& out, const Point3& p) {
+  for (int k = 0; k < 3; ++k) out.put(static_cast<float>(p[k]));
+}
+inline void put_configuration(ByteWriter& out, const Configuration& c) {
+  for (int k = 0; k < 3; ++k) out.put(double{c.position[k]});
+  out.put(c.yaw);
+}
+inline void put_head(ByteWriter& out, const NewsHead& h) {
+  put_varint(out, h.robot);
+  put_varint(out, h.incarnation);
+  put_varint(out, h.number);
+  out.put(h.hops);
+  out.put(static_cast<float>(std::min(h.age, kMostAge)));
+}
+}  // namespace detail
+
+inline Bytes encode_states(const StateMessage& message) {
+  ByteWriter out;
+  detail::put_varint(out, message.hears.size());
+  for (const RobotId id : message.hears) detail::put_varint(out, id);
+  detail::put_varint(out, message.news.size());
+  for (const StateNews& n : message.news) {
+    detail::put_head(out, n.head);
+    detail::put_varint(out, n.state.kind);
+    out.put(static_cast<std::uint8_t>(n.state.idle ? 1 : 0));
+    detail::put_configuration(out, n.state.at);
+    const std::size_t ahead = std::min<std::size_t>(n.state.ahead.size(), detail::kMostAhead);
+    detail::put_varint(out, ahead);
+    for (std::size_t i = 0; i < ahead; ++i) detail::put_point(out, n.state.ahead[i]);
+  }
+  return out.take();
+}
+/// Throws `Error` on anything but a sound message.
+inline StateMessage decode_states(std::span<const std::byte> bytes) {
+  detail::NewsReader in(bytes, "states");
+  StateMessage message;
+  for (std::size_t n = in.count(detail::kMostNews, 1); n > 0; --n)
+    message.hears.insert(static_cast<RobotId>(in.number(std::numeric_limits<RobotId>::max())));
+  message.news.resize(in.count(detail::kMostNews, 40));
+  for (StateNews& n : message.news) {
+    n.head = in.head();
+    n.state.id = n.head.robot;
+    n.state.kind = static_cast<RobotKindId>(in.number(std::numeric_limits<RobotKindId>::max()));
+    n.state.idle = (in.byte() & 1) != 0;
+    n.state.at = in.configuration();
+    n.state.ahead.resize(in.count(detail::kMostAhead, 12));
+    for (Point3& p : n.state.ahead) p = in.point<float>();
+  }
+  in.finish();
+  return message;
+}
+
+inline Bytes encode_routes(const std::vector<RouteNews>& news) {
+  ByteWriter out;
+  detail::put_varint(out, news.size());
+  for (const RouteNews& n : news) {
+    detail::put_head(out, n.head);
+    const std::size_t stops = std::min<std::size_t>(n.route.size(), detail::kMostStops);
+    detail::put_varint(out, stops);
+    for (std::size_t i = 0; i < stops; ++i) {
+      const Stop& stop = n.route[i];
+      detail::put_configuration(out, stop.configuration);
+      const std::size_t targets = std::min<std::size_t>(stop.targets.size(), detail::kMostTargets);
+      detail::put_varint(out, targets);
+      for (std::size_t t = 0; t < targets; ++t)
+        for (int k = 0; k < 3; ++k) detail::put_varint(out, detail::zigzag(stop.targets[t][k]));
+    }
+  }
+  return out.take();
+}
+/// Throws `Error` on anything but a sound message.
+inline std::vector<RouteNews> decode_routes(std::span<const std::byte> bytes) {
+  detail::NewsReader in(bytes, "routes");
+  std::vector<RouteNews> news(in.count(detail::kMostNews, 9));
+  for (RouteNews& n : news) {
+    n.head = in.head();
+    n.route.resize(in.count(detail::kMostStops, 33));
+    for (Stop& stop : n.route) {
+      stop.configuration = in.configuration();
+      stop.targets.resize(in.count(detail::kMostTargets, 3));
+      for (VoxelIndex& v : stop.targets)
+        for (int k = 0; k < 3; ++k) v[k] = in.coordinate();
+    }
+  }
+  in.finish();
+  return news;
+}
+}  // namespace surfleet

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Who is of the team, where they are and what they are about, heard from themselves or from
+/// those between [000 §4.3].
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <surfleet/fleet/packet.hpp>
+#include <surfleet/fleet/robot_news.hpp>
+
+namespace surfleet {
+struct TeamRelayOptions {
+  double state_period = 0.25;  ///< Between states while on a route [s].
+  double idle_period = 1.0;    ///< The same without anything to do: it stays of the team [s].
+  double route_period = 2.0;   ///< Between routes that do not change [s].
+  double silence = 3.0;        ///< Mates are those whose state is no older [s].
+  std::uint8_t hops = 8;       ///< News that so many have passed on go no further.
+  RobotId robots = 256;        ///< Ids are below this.
+  double speed = 20.0;         ///< No robot is faster [m/s] …
+  double slack = 20.0;         ///< … nor found farther than this from where it may be [m].
+};
+
+/// One robot's part: says its own state and route, and passes on what it has heard of a robot that
+/// one of those it hears does not hear itself. Where everybody hears everybody, nothing is passed
+/// on; where a chain is the only link, news travel along it and grow older. A robot whose clock is
+/// wrong is as good as any.
+class TeamRelay {
+ public:
+  struct Counts {
+    std::uint64_t malformed = 0;  ///< Messages that could not be read.
+    std::uint64_t jumps = 0;      ///< States that no motion explains.
+    std::uint64_t beyond = 0;     ///< News of robots that cannot be.
+    std::uint64_t relayed = 0;    ///< News of others that were passed on.
+  };
+
+  explicit TeamRelay(RobotId self, std::uint32_t incarnation = 0, TeamRelayOptions options = {})
+      : self_(self), incarnation_(incarnation), options_(options) {}
+
+  /// Our own state, at any time; its route goes out when it differs from the last.
+  void set_own(const RobotState& state) { own_ = state; }
+
+  /// A message of kind `state` or `route`. Never throws on what it says.
+  void hear(const Envelope& message, double now) {
+    if (message.sender == self_ || message.sender >= options_.robots) return;
+    try {
+      if (message.kind == MessageKind::state) hear_states(message, now);
+      if (message.kind == MessageKind::route) hear_routes(message, now);
+    } catch (const Error&) {
+      ++counts_.malformed;
+    }
+  }
+  /// What there is to say now.
+  std::vector<Outgoing> speak(double now) {
+    std::vector<Outgoing> out;
+    if (now >= next_state_) {
+      StateMessage message;
+      for (const auto& [id, mate] : mates_)
+        if (hears(mate, now)) message.hears.insert(id);
+      if (own_) {
+        StateNews own{{self_, incarnation_, states_said_++, 0, 0.0}, *own_};
+        own.state.route.clear();
+        message.news.push_back(std::move(own));
+      }
+      for (auto& [id, mate] : mates_)
+        if (mate.state && mate.state_fresh && is_wanted(id, mate, mate.state->head, now)) {
+          mate.state_fresh = false;
+          message.news.push_back(
+              {passed_on(mate.state->head, mate.state_heard, now), mate.state->state});
+          ++counts_.relayed;
+        }
+      if (!message.news.empty())
+        out.push_back({MessageKind::state, std::nullopt, encode_states(message)});
+      const bool idle = !own_ || own_->idle;
+      next_state_ = now + (idle ? options_.idle_period : options_.state_period);
+    }
+    std::vector<RouteNews> routes;
+    if (own_ && (now >= next_route_ || !said_route_ || !same(*said_route_, own_->route))) {
+      routes.push_back({{self_, incarnation_, routes_said_++, 0, 0.0}, own_->route});
+      said_route_ = own_->route;
+      next_route_ = now + options_.route_period;
+    }
+    for (auto& [id, mate] : mates_)
+      if (mate.route && mate.route_fresh && is_wanted(id, mate, mate.route->head, now)) {
+        mate.route_fresh = false;
+        routes.push_back({passed_on(mate.route->head, mate.route_heard, now), mate.route->route});
+        ++counts_.relayed;
+      }
+    if (!routes.empty()) out.push_back({MessageKind::route, std::nullopt, encode_routes(routes)});
+    return out;
+  }
+
+  /// The mates whose state is no older than `silence`, by ascending id, with their routes and ages.
+  std::vector<RobotState> mates(double now) const {
+    std::vector<RobotState> team;
+    for (const auto& [id, mate] : mates_)
+      if (const std::optional<double> age = age_of(mate, now); age && *age <= options_.silence)
+        team.push_back(told(mate, *age));
+    return team;
+  }
+  /// The last that was heard of a robot, however long ago.
+  std::optional<RobotState> last_of(RobotId robot, double now) const {
+    const auto it = mates_.find(robot);
+    if (it == mates_.end() || !it->second.state) return std::nullopt;
+    return told(it->second, *age_of(it->second, now));
+  }
+  /// Robots that passed on the last state of a mate; nothing if there is none.
+  std::optional<int> hops_of(RobotId robot) const {
+    const auto it = mates_.find(robot);
+    if (it == mates_.end() || !it->second.state) return std::nullopt;
+    return it->second.state->head.hops;
+  }
+  /// Whether nobody is of our team: the single architecture.
+  bool alone(double now) const { return mates(now).empty(); }
+  const Counts& counts() const { return counts_; }
+
+ private:
+  struct Mate {
+    std::optional<StateNews> state;
+    std::optional<RouteNews> route;
+    double state_heard = 0.0, route_heard = 0.0;               // [s]
+    bool state_fresh = false, route_fresh = false;             // not passed on yet
+    double direct = -std::numeric_limits<double>::infinity();  // last heard itself [s]
+    std::set<RobotId> hears;
+  };
+
+  static bool same(const Stops& a, const Stops& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Stop& p, const Stop& q) {
+      return p.configuration.position == q.configuration.position &&
+             p.configuration.yaw == q.configuration.yaw && p.targets == q.targets;
+    });
+  }
+  bool hears(const Mate& mate, double now) const { return now - mate.direct <= options_.silence; }
+  std::optional<double> age_of(const Mate& mate, double now) const {
+    if (!mate.state) return std::nullopt;
+    return mate.state->head.age + (now - mate.state_heard);
+  }
+  static RobotState told(const Mate& mate, double age) {
+    RobotState state = mate.state->state;
+    if (mate.route) state.route = mate.route->route;
+    state.age = age;
+    return state;
+  }
+  static NewsHead passed_on(NewsHead head, double heard, double now) {
+    head.hops = static_cast<std::uint8_t>(head.hops + 1);
+    head.age += now - heard;
+    return head;
+  }
+  /// Whether one of those we hear does not hear that robot itself.
+  bool is_wanted(RobotId about, const Mate& mate, const NewsHead& head, double now) const {
+    if (head.hops >= options_.hops || now - mate.state_heard > options_.silence) return false;
+    for (const auto& [id, other] : mates_)
+      if (id != about && hears(other, now) && !other.hears.contains(about)) return true;
+    return false;
+  }
+  /// Whether news of that kind are of a robot that can be, and newer than what is known.
+  template <typename News>
+  bool is_new(const NewsHead& head, const std::optional<News>& known) {
+    if (head.robot >= options_.robots || head.hops > options_.hops) {
+      ++counts_.beyond;
+      return false;
+    }
+    return head.robot != self_ && (!known || head.newer_than(known->head));
+  }
+  void hear_states(const Envelope& message, double now) {
+    StateMessage said = decode_states(message.body);
+    Mate& sender = mates_[message.sender];
+    sender.direct = now;
+    sender.hears = std::move(said.hears);
+    for (StateNews& n : said.news) {
+      if (n.head.robot >= options_.robots) {
+        ++counts_.beyond;
+        continue;
+      }
+      // Nobody speaks for himself through others, nor for others as himself.
+      if ((n.head.hops == 0) != (n.head.robot == message.sender)) continue;
+      Mate& mate = mates_[n.head.robot];
+      if (!is_new(n.head, mate.state)) continue;
+      if (mate.state && mate.state->head.incarnation == n.head.incarnation) {
+        const double between = std::max(0.0, *age_of(mate, now) - n.head.age);
+        const double way = (n.state.at.position - mate.state->state.at.position).norm();
+        if (way > options_.slack + options_.speed * (between + n.head.age)) {
+          ++counts_.jumps;
+          continue;
+        }
+      }
+      mate.state = std::move(n);
+      mate.state_heard = now;
+      mate.state_fresh = true;
+    }
+  }
+  void hear_routes(const Envelope& message, double now) {
+    for (RouteNews& n : decode_routes(message.body)) {
+      if (n.head.robot >= options_.robots) {
+        ++counts_.beyond;
+        continue;
+      }
+      if ((n.head.hops == 0) != (n.head.robot == message.sender)) continue;
+      Mate& mate = mates_[n.head.robot];
+      if (!is_new(n.head, mate.route)) continue;
+      mate.route = std::move(n);
+      mate.route_heard = now;
+      mate.route_fresh = true;
+    }
+  }
+
+  RobotId self_;
+  std::uint32_t incarnation_;
+  TeamRelayOptions options_;
+  std::optional<RobotState> own_;
+  std::optional<Stops> said_route_;
+  std::map<RobotId, Mate> mates_;
+  std::uint32_t states_said_ = 0, routes_said_ = 0;
+  double next_state_ = -std::numeric_limits<double>::infinity(), next_route_ = next_state_;
+  Counts counts_;
+};
+}  // namespace surfleet

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Cuts what a robot sees into map patches [000 §4.4.1].
+///
+///     PatchRecorder<DropOffWeight<>> recorder({.robot = 2, .voxel_size = 0.3});
+///     recorder.integrate(image, camera, T_world_camera);
+///     if (recorder.due()) publish(recorder.close());
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <surfleet/mapping/map_patch.hpp>
+#include <surfleet/mapping/tsdf_integrator.hpp>
+
+namespace surfleet {
+struct PatchRecorderOptions {
+  RobotId robot = 0;
+  std::uint32_t incarnation = 0;     ///< How often the robot was started before.
+  double voxel_size = 0.3;           ///< [m]
+  std::uint32_t images = 5;          ///< A patch is due after so many,
+  std::optional<double> distance{};  ///< or, if said, once the camera has come so far [m].
+};
+
+/// The open patch, an image at a time. It is a map of its own, so what one patch holds depends on
+/// its images alone.
+template <WeightPolicy Weight = InverseSquareWeight, UpdatePolicy Update = ProjectiveUpdate>
+class PatchRecorder {
+ public:
+  TsdfIntegrator<Weight, Update> integrator;
+
+  /// Throws `Error` on options out of range.
+  explicit PatchRecorder(PatchRecorderOptions options, TsdfOptions tsdf = {}, Weight weight = {},
+                         Update update = {})
+      : integrator(tsdf, std::move(weight), std::move(update)),
+        options_(options),
+        map_({.voxel_size = options.voxel_size}) {
+    require(options.images > 0, "patch: expected at least one image");
+    require(!options.distance || *options.distance > 0.0,
+            "patch: expected a positive distance or none");
+  }
+
+  /// Folds an image into the open patch; returns the number of changed blocks.
+  std::size_t integrate(const DepthImage& image, const PinholeCamera& camera,
+                        const Pose& T_frame_camera) {
+    const std::size_t changed = integrator(image, camera, T_frame_camera, map_);
+    if (images_ == 0)
+      anchor_ = T_frame_camera;
+    else
+      travelled_ += (T_frame_camera.translation() - last_).norm();
+    last_ = T_frame_camera.translation();
+    ++images_;
+    return changed;
+  }
+  /// Whether the patch has all it is to have.
+  bool due() const {
+    return images_ >= options_.images ||
+           (images_ > 0 && options_.distance && travelled_ >= *options_.distance);
+  }
+  /// The patch, as whole numbers; the next one is open and empty. Its hash is set when it is
+  /// encoded. O(patch).
+  MapPatch close() {
+    MapPatch patch = make_patch(map_, integrator.options.truncation);
+    patch.id.key = {options_.robot, options_.incarnation, number_++};
+    patch.anchor = anchor_;
+    patch.images = images_;
+    map_ = TsdfMap({.voxel_size = options_.voxel_size});
+    images_ = 0;
+    travelled_ = 0.0;
+    return patch;
+  }
+
+  const TsdfMap& open() const { return map_; }      ///< What the open patch holds so far.
+  std::uint32_t number() const { return number_; }  ///< Of the open patch.
+  std::uint32_t images() const { return images_; }  ///< In the open patch.
+
+ private:
+  PatchRecorderOptions options_;
+  TsdfMap map_;
+  Pose anchor_ = Pose::Identity();
+  Point3 last_ = Point3::Zero();
+  double travelled_ = 0.0;
+  std::uint32_t images_ = 0, number_ = 0;
+};
+}  // namespace surfleet

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/fleet/team_relay.hpp>
+
+#include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/random.hpp>
+#include <surfleet/fleet/impaired.hpp>
+#include <surfleet/fleet/message_guard.hpp>
+
+#include "check.hpp"
+
+using namespace surfleet;
+
+namespace {
+RobotState relay_state(RobotId id, double time, bool idle = false) {
+  RobotState s;
+  s.id = id;
+  s.kind = 1;
+  s.at = {Point3(10.0 * id, 0.6 * time, 2.0), 0.5};
+  s.ahead = {s.at.position, s.at.position + Point3(0, 3, 0)};
+  s.idle = idle;
+  if (!idle) s.route = {{s.at, {{1, -2, static_cast<int>(id)}}}, {{Point3(1, 2, 3), -1.0}, {}}};
+  return s;
+}
+/// A team whose clocks are all wrong, over a network whose links are told.
+struct RelayTeam {
+  std::size_t robots;
+  std::function<bool(RobotId, RobotId)> linked = [](RobotId, RobotId) { return true; };
+  SimulatedNetwork<Packet> network;
+  std::vector<TeamRelay> relays;
+  std::vector<MessageGuard> guards;
+  std::vector<std::uint32_t> number;
+  std::vector<char> mute;
+  bool idle = false;
+  double time = 0.0;
+
+  explicit RelayTeam(std::size_t n, NetworkConditions conditions = {})
+      : robots(n), network(n, std::move(conditions)), number(n, 0), mute(n, 0) {
+    network.position = [](RobotId r) { return Point3(r, 0, 0); };
+    network.line_of_sight = [this](const Point3& a, const Point3& b) {
+      return linked(static_cast<RobotId>(a.x()), static_cast<RobotId>(b.x()));
+    };
+    for (RobotId r = 0; r < n; ++r) {
+      relays.emplace_back(r);
+      guards.emplace_back(r);
+    }
+  }
+  double clock(RobotId r) const { return time + 3600.0 * r; }
+  void run(double until) {
+    for (; time < until - 1e-9; time += 0.125) {
+      network.advance(time);
+      for (RobotId r = 0; r < robots; ++r) {
+        for (const auto& m : network.receive(r))
+          if (const auto e = guards[r].admit(m.from, *m.payload.bytes, clock(r)))
+            relays[r].hear(*e, clock(r));
+        if (mute[r] != 0) continue;
+        relays[r].set_own(relay_state(r, time, idle));
+        for (const Outgoing& o : relays[r].speak(clock(r)))
+          network.send({.time = time,
+                        .from = r,
+                        .to = o.to,
+                        .payload = seal({.kind = o.kind,
+                                         .sender = r,
+                                         .incarnation = 0,
+                                         .number = number[r]++,
+                                         .body = o.body})});
+      }
+    }
+  }
+  std::vector<RobotId> team_of(RobotId r) const {
+    std::vector<RobotId> ids;
+    for (const RobotState& s : relays[r].mates(clock(r))) ids.push_back(s.id);
+    return ids;
+  }
+};
+using Ids = std::vector<RobotId>;
+}  // namespace
+
+TEST(the_graphs_of_a_team_in_and_out_of_touch) {
+  // [000 Fig. 4.2]: complete, connected, in two parts, apart; and healed.
+  RelayTeam team(3);
+  team.run(5.0);
+  for (RobotId r = 0; r < 3; ++r) {
+    CHECK(team.team_of(r).size() == 2 && !team.relays[r].alone(team.clock(r)));
+    CHECK(team.relays[r].counts().relayed <= 6);  // at first nobody knows whom the others hear
+  }
+  const std::uint64_t before = team.relays[0].counts().relayed;
+  team.linked = [](RobotId a, RobotId b) { return a == 0 || b == 0; };
+  team.run(12.0);
+  CHECK(team.team_of(1) == Ids({0, 2}) && team.team_of(2) == Ids({0, 1}));
+  CHECK(team.relays[0].counts().relayed > before + 10);
+  CHECK(team.relays[1].hops_of(2) == 1 && team.relays[1].hops_of(0) == 0);
+  const RobotState far = team.relays[1].mates(team.clock(1))[1];
+  CHECK(far.id == 2 && far.kind == 1 && far.route.size() == 2 && far.ahead.size() == 2);
+  CHECK(far.route[0].targets.size() == 1 && far.route[0].targets[0] == VoxelIndex(1, -2, 2));
+  CHECK((far.at.position - relay_state(2, team.time - far.age).at.position).norm() < 0.4);
+  team.linked = [](RobotId a, RobotId b) { return a + b == 1; };
+  team.run(20.0);
+  CHECK(team.team_of(0) == Ids({1}) && team.team_of(1) == Ids({0}) && team.team_of(2).empty());
+  CHECK(team.relays[2].alone(team.clock(2)));
+  CHECK_NEAR(team.relays[2].last_of(0, team.clock(2))->age, 8.0, 0.6);
+  team.linked = [](RobotId, RobotId) { return false; };
+  team.run(28.0);
+  for (RobotId r = 0; r < 3; ++r) CHECK(team.team_of(r).empty());
+  team.linked = [](RobotId, RobotId) { return true; };
+  team.run(30.0);
+  for (RobotId r = 0; r < 3; ++r) CHECK(team.team_of(r).size() == 2);
+  CHECK(team.relays[2].counts().jumps == 0 && team.relays[2].counts().malformed == 0);
+}
+
+TEST(news_travel_along_a_chain_and_grow_older) {
+  RelayTeam team(6, {.latency = 0.1});
+  team.linked = [](RobotId a, RobotId b) { return (a < b ? b - a : a - b) == 1; };
+  team.run(15.0);
+  for (RobotId r = 0; r < 6; ++r) CHECK(team.team_of(r).size() == 5);
+  double last = -1.0;
+  for (RobotId r = 1; r < 6; ++r) {
+    CHECK(team.relays[0].hops_of(r) == static_cast<int>(r) - 1);
+    const double age = team.relays[0].last_of(r, team.clock(0))->age;
+    CHECK(age < 3.0 && age > last - 0.3);
+    last = age;
+  }
+  CHECK(last > 0.2);
+  // One falls silent: nobody keeps it alive by passing old news on.
+  team.mute[3] = 1;
+  team.run(25.0);
+  CHECK(team.team_of(0) == Ids({1, 2}) && team.team_of(5) == Ids({4}));
+}
+
+TEST(a_cut_one_way_is_gone_around) {
+  RelayTeam team(3);
+  team.linked = [](RobotId a, RobotId b) { return !(a == 0 && b == 1); };
+  team.run(8.0);
+  CHECK(team.team_of(1) == Ids({0, 2}) && team.relays[1].hops_of(0) == 1);
+  CHECK(team.team_of(0) == Ids({1, 2}) && team.relays[0].hops_of(1) == 0);
+}
+
+TEST(idle_robots_stay_of_the_team_and_say_little) {
+  RelayTeam team(8);
+  team.idle = true;
+  team.run(10.0);
+  const std::uint64_t before = team.network.bytes_sent(3);
+  team.run(110.0);
+  CHECK(team.team_of(5).size() == 7);
+  CHECK(static_cast<double>(team.network.bytes_sent(3) - before) / 100.0 < 1000.0);
+}
+
+TEST(news_that_cannot_be_are_not_believed) {
+  TeamRelay relay(0, 0, {.robots = 10, .speed = 5.0, .slack = 2.0});
+  std::uint32_t number = 0;
+  const auto say = [&](RobotId sender, RobotId about, double x, double now, std::uint8_t hops = 0,
+                       std::uint32_t incarnation = 0) {
+    StateMessage m;
+    m.news.push_back({{about, incarnation, number++, hops, 0.0}, {}});
+    m.news[0].state.at.position = Point3(x, 0, 0);
+    const Bytes body = encode_states(m);
+    relay.hear({.kind = MessageKind::state, .sender = sender, .body = body}, now);
+  };
+  const auto x_of = [&](RobotId id) { return relay.last_of(id, 0.0)->at.position.x(); };
+  say(1, 1, 0.0, 0.0);
+  say(1, 1, 4.0, 1.0);
+  CHECK(x_of(1) == 4.0);
+  say(1, 1, 100.0, 2.0);
+  CHECK(x_of(1) == 4.0 && relay.counts().jumps == 1);
+  say(1, 1, 100.0, 30.0);  // by now it may be there
+  CHECK(x_of(1) == 100.0);
+  say(1, 1, 0.0, 30.5, 0, 1);  // started again
+  CHECK(x_of(1) == 0.0);
+  say(1, 1, 0.5, 30.6, 0, 0);  // its earlier self comes too late
+  CHECK(x_of(1) == 0.0);
+  say(2, 1, 0.5, 31.0, 0, 1);  // another speaks for it as itself
+  CHECK(x_of(1) == 0.0);
+  say(2, 1, 0.5, 31.0, 1, 1);
+  CHECK(x_of(1) == 0.5);
+  say(2, 0, 7.0, 31.0, 1);  // of ourselves we know better
+  CHECK(!relay.last_of(0, 31.0));
+  say(2, 77, 7.0, 31.0, 1);
+  say(2, 3, 7.0, 31.0, 200);
+  CHECK(relay.counts().beyond == 2 && !relay.last_of(77, 31.0) && !relay.last_of(3, 31.0));
+  Random random(5);
+  StateMessage m;
+  m.hears = {1, 2};
+  m.news.push_back({{1, 1, 900, 0, 0.5}, relay_state(1, 0.0)});
+  const Bytes states = encode_states(m);
+  const Bytes routes = encode_routes({{{1, 1, 900, 0, 0.5}, relay_state(1, 0.0).route}});
+  for (const MessageKind kind : {MessageKind::state, MessageKind::route}) {
+    const Bytes& good = kind == MessageKind::state ? states : routes;
+    for (std::size_t n = 0; n < good.size(); ++n) {
+      const std::uint64_t before = relay.counts().malformed;
+      relay.hear({.kind = kind, .sender = 1, .body = std::span(good).first(n)}, 32.0);
+      CHECK(relay.counts().malformed == before + 1);
+    }
+    for (int i = 0; i < 2000; ++i) {
+      Bytes bad = good;
+      for (int k = 0; k < 3; ++k)
+        bad[random.below(bad.size())] = static_cast<std::byte>(random.below(256));
+      relay.hear({.kind = kind, .sender = 1, .body = bad}, 32.0);
+    }
+  }
+  for (const RobotState& s : relay.mates(32.0)) CHECK(s.at.position.allFinite() && s.id < 10);
+}
+
+TEST(mail_is_read_once_of_the_team_and_in_measure) {
+  MessageGuard guard(0, {.team = 7, .messages_rate = 10.0, .messages_burst = 50.0});
+  const auto packet = [](std::uint32_t number, std::uint32_t incarnation = 0,
+                         std::uint32_t team = 7, RobotId sender = 1) {
+    return *seal({.kind = MessageKind::digest,
+                  .team = team,
+                  .sender = sender,
+                  .incarnation = incarnation,
+                  .number = number,
+                  .body = {}})
+                .bytes;
+  };
+  CHECK(guard.admit(1, packet(5), 0.0)->number == 5);
+  CHECK(!guard.admit(1, packet(5), 0.0) && guard.dropped(MessageDrop::replayed) == 1);
+  CHECK(guard.admit(1, packet(3), 0.0) && guard.admit(1, packet(2000), 0.0));
+  CHECK(!guard.admit(1, packet(900), 0.0));  // out of the window
+  CHECK(guard.admit(1, packet(1500), 0.0) && !guard.admit(1, packet(1500), 0.0));
+  CHECK(!guard.admit(1, packet(3000, 0, 8), 0.0) && !guard.admit(2, packet(3000), 0.0) &&
+        !guard.admit(0, packet(1, 0, 7, 0), 0.0));
+  CHECK(guard.dropped(MessageDrop::foreign) == 3);
+  CHECK(guard.admit(1, packet(0, 1), 0.0) && !guard.admit(1, packet(4000), 0.0));
+  CHECK(guard.dropped(MessageDrop::outdated) == 1);
+  Bytes bad = packet(9, 1);
+  for (std::size_t n = 0; n < bad.size(); n += 5) {
+    Bytes b = bad;
+    b[n] ^= std::byte{16};
+    CHECK(!guard.admit(1, b, 0.0));
+  }
+  CHECK(guard.dropped(MessageDrop::malformed) == 5);
+  int read = 0;
+  for (std::uint32_t n = 100; n < 400; ++n) read += guard.admit(1, packet(n, 1), 1.0) ? 1 : 0;
+  CHECK(read > 30 && read < 60 && guard.dropped(MessageDrop::flood) > 200);
+  read = 0;
+  for (std::uint32_t n = 400; n < 500; ++n)
+    read += guard.admit(1, packet(n, 1), 2.0 + 0.1 * (n - 400)) ? 1 : 0;
+  CHECK(read > 95);
+  // Every number of a long run once, whatever the order within the window.
+  ReplayWindow window;
+  Random random(2);
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t base = 0; base < 20000; base += 500) {
+    for (std::uint32_t n = 0; n < 500; ++n) numbers.push_back(base + n);
+    for (std::size_t i = numbers.size(); i > numbers.size() - 499; --i)
+      std::swap(numbers[i - 1],
+                numbers[numbers.size() - 500 + random.below(500 - (numbers.size() - i))]);
+  }
+  std::size_t accepted = 0, again = 0;
+  for (const std::uint32_t n : numbers) {
+    accepted += window.accept(n) ? 1 : 0;
+    again += window.accept(n) ? 1 : 0;
+  }
+  CHECK(accepted == 20000 && again == 0);
+}

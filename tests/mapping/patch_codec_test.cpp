@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/mapping/patch_codec.hpp>
+
+#include <cstring>
+#include <limits>
+
+#include <surfleet/core/random.hpp>
+
+#include "check.hpp"
+#include "patch_scenes.hpp"
+
+using namespace surfleet;
+using namespace surfleet::test;
+
+namespace {
+/// Drops runs of zeros: not much of a packer, but another.
+struct RunPacker {
+  static constexpr std::uint8_t kPacking = 7;
+  Bytes pack(std::span<const std::byte> bytes) const {
+    Bytes out;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      out.push_back(bytes[i]);
+      if (bytes[i] != std::byte{0}) continue;
+      std::size_t run = 1;
+      while (run < 255 && i + run < bytes.size() && bytes[i + run] == std::byte{0}) ++run;
+      out.push_back(static_cast<std::byte>(run));
+      i += run - 1;
+    }
+    return out;
+  }
+  Bytes unpack(std::span<const std::byte> bytes, std::size_t size, const std::string& what) const {
+    Bytes out;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      std::size_t run = 1;
+      if (bytes[i] == std::byte{0}) {
+        require(++i < bytes.size(), what + ": run");
+        run = static_cast<std::size_t>(bytes[i]);
+        require(run <= size - out.size(), what + ": run");
+        out.insert(out.end(), run, std::byte{0});
+      } else {
+        out.push_back(bytes[i]);
+      }
+    }
+    require(out.size() == size, what + ": size");
+    return out;
+  }
+};
+static_assert(BytePacker<RunPacker> && !BytePacker<int>);
+
+template <typename T>
+Bytes with(Bytes bytes, std::size_t at, const T& value) {
+  std::memcpy(bytes.data() + at, &value, sizeof(T));
+  const std::uint32_t sum = crc32(std::span<const std::byte>(bytes).first(bytes.size() - 4));
+  std::memcpy(bytes.data() + bytes.size() - 4, &sum, sizeof(sum));
+  return bytes;
+}
+constexpr std::size_t kImagesAt = 28, kVoxelAt = 32, kAnchorAt = 48, kBoxAt = 144, kBlocksAt = 168,
+                      kSizeAt = 172, kPackedAt = 176;
+template <typename P>
+bool refused(const Bytes& bytes, const PatchLimits& limits, const P& packer) {
+  try {
+    static_cast<void>(decode_patch(bytes, limits, packer));
+  } catch (const Error&) {
+    return true;
+  }
+  return false;
+}
+template <BytePacker P>
+void patch_codec_laws(const P& packer) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const MapPatch patch = random_patch(seed, static_cast<int>(seed % 13));
+    const EncodedPatch once = encode_patch(patch, packer);
+    const MapPatch back = decode_patch(once.bytes, {}, packer);
+    CHECK(same_content(patch, back));
+    CHECK(encode_patch(back, packer).bytes == once.bytes);
+    CHECK(back.id == once.id && once.id.hash == encode_patch(patch).id.hash);
+    CHECK(once.bytes.size() >= detail::kPatchHeaderBytes + 4);
+  }
+  // Cut short, lengthened, or with any byte changed, it is no patch.
+  const Bytes good = encode_patch(random_patch(3, 3), packer).bytes;
+  for (std::size_t n = 0; n < good.size(); n += 7)
+    CHECK(refused(Bytes(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(n)), {}, packer));
+  Bytes longer = good;
+  longer.push_back(std::byte{0});
+  CHECK(refused(longer, {}, packer) && refused(with(longer, 0, good[0]), {}, packer));
+  Random random(8);
+  for (int i = 0; i < 300; ++i) {
+    const std::size_t at = random.below(good.size() - 4);
+    const std::byte b = good[at] ^ static_cast<std::byte>(1 + random.below(255));
+    Bytes bad = good;
+    bad[at] = b;
+    CHECK(refused(bad, {}, packer));
+    // With its checksum put right, what is no name is still told by the content's hash.
+    if (at >= 20 && at < detail::kPatchHeaderBytes) CHECK(refused(with(good, at, b), {}, packer));
+    if (at >= detail::kPatchHeaderBytes && P::kPacking == 0)
+      CHECK(refused(with(good, at, b), {}, packer));
+  }
+}
+/// As a liar would: the hash is right as well.
+Bytes forged(MapPatch patch) { return encode_patch(patch).bytes; }
+}  // namespace
+
+TEST(patches_survive_the_wire_and_nothing_else_does) {
+  patch_codec_laws(PlainPacker{});
+  patch_codec_laws(RunPacker{});
+}
+
+TEST(patches_beyond_the_limits_are_refused) {
+  const MapPatch patch = random_patch(11, 6);
+  const Bytes good = forged(patch);
+  CHECK(!refused(good, {}, PlainPacker{}));
+  CHECK(!refused(good, {.voxel_size = 0.3, .truncation = 0.9}, PlainPacker{}));
+  CHECK(refused(good, {.voxel_size = 0.2}, PlainPacker{}));
+  CHECK(refused(good, {.truncation = 0.6}, PlainPacker{}));
+  CHECK(refused(good, {.images = 4}, PlainPacker{}));
+  CHECK(refused(good, {.image_weight = 0.01}, PlainPacker{}));
+  CHECK(refused(good, {.reach = 2.0}, PlainPacker{}));
+  CHECK(refused(good, {.blocks = 2}, PlainPacker{}));
+  const Bytes packed = encode_patch(patch, RunPacker{}).bytes;
+  CHECK(refused(packed, {}, PlainPacker{}));  // packed in a way it does not know
+  CHECK(!refused(good, {}, RunPacker{}));     // plain is always understood
+  MapPatch none = patch;
+  none.images = 0;
+  CHECK(refused(forged(none), {}, PlainPacker{}));
+  none.blocks.clear();
+  CHECK(!refused(forged(none), {}, PlainPacker{}));
+  MapPatch odd = patch;
+  odd.anchor.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  CHECK(refused(forged(odd), {}, PlainPacker{}));
+  odd = patch;
+  odd.anchor.translation().x() = 1e6;
+  CHECK(refused(forged(odd), {}, PlainPacker{}));
+  odd = patch;
+  odd.blocks.push_back(odd.blocks.front());
+  CHECK_THROWS(Error, encode_patch(odd));
+  odd.blocks.back().index = {0, 0, 1 << 25};
+  CHECK_THROWS(Error, encode_patch(odd));
+  odd = patch;
+  odd.blocks[0].hits = {{.key = 7, .weight = 1}};
+  CHECK(refused(forged(odd), {}, PlainPacker{}));
+  odd.blocks[0].hits = {{.key = 4097, .weight = 1}};
+  CHECK(refused(forged(odd), {}, PlainPacker{}));
+  odd.blocks[0].hits = {{.key = 8}};
+  CHECK(refused(forged(odd), {}, PlainPacker{}));
+  odd.blocks[0].hits = {{.key = 8, .weight = 1, .position = {65, 0, 0}}};
+  CHECK(refused(forged(odd), {}, PlainPacker{}));
+}
+
+TEST(sizes_that_lie_are_refused_before_memory_is_taken) {
+  const Bytes good = forged(random_patch(11, 6));
+  for (const std::uint32_t huge : {0x7FFFFFFFU, 0xFFFFFFFFU, 1U << 20, 100000U}) {
+    CHECK(refused(with(good, kBlocksAt, huge), {}, PlainPacker{}));
+    CHECK(refused(with(good, kSizeAt, huge), {}, PlainPacker{}));
+    CHECK(refused(with(good, kPackedAt, huge), {}, PlainPacker{}));
+    CHECK(refused(with(good, kSizeAt, huge), {}, RunPacker{}));
+  }
+  for (const std::int32_t far : {std::numeric_limits<std::int32_t>::min(),
+                                 std::numeric_limits<std::int32_t>::max(), 1 << 26}) {
+    CHECK(refused(with(good, kBoxAt, far), {.reach = 1e30}, PlainPacker{}));
+    CHECK(refused(with(good, kBoxAt + 12, far), {.reach = 1e30}, PlainPacker{}));
+  }
+  CHECK(refused(with(good, kVoxelAt, 0.0), {}, PlainPacker{}));
+  CHECK(refused(with(good, kVoxelAt, std::numeric_limits<double>::infinity()), {}, PlainPacker{}));
+  CHECK(refused(with(good, kAnchorAt + 24, 2.0), {}, PlainPacker{}));
+  CHECK(refused(with(good, kImagesAt, 0xFFFFFFFFU), {}, PlainPacker{}));
+  // Blocks that begin as they should and then lie: every byte, any value, its hash put right.
+  Random random(2);
+  for (int trial = 0; trial < 3000; ++trial) {
+    const MapPatch patch = random_patch(20 + static_cast<std::uint64_t>(trial % 7), 3);
+    const detail::BlockBox box = detail::box_of(patch.blocks);
+    Bytes raw = detail::put_patch_blocks(patch.blocks, box);
+    for (std::uint64_t n = 1 + random.below(3); n-- > 0;)
+      raw[random.below(raw.size())] = static_cast<std::byte>(random.below(256));
+    if (random.below(4) == 0) raw.resize(random.below(raw.size()));
+    try {
+      const auto blocks = detail::get_patch_blocks(raw, patch.blocks.size(), box, 1 << 20, "patch");
+      for (const PatchBlock& b : blocks) CHECK(!b.empty() && box.contains(b.index));
+      CHECK(detail::get_patch_blocks(detail::put_patch_blocks(blocks, box), blocks.size(), box,
+                                     1 << 20, "patch") == blocks);
+    } catch (const Error&) {
+    }
+  }
+}
+
+TEST(seen_patches_are_small) {
+  const std::vector<MapPatch> patches = sheet_patches(2);
+  for (const MapPatch& patch : patches) {
+    const EncodedPatch plain = encode_patch(patch);
+    CHECK(static_cast<double>(plain.bytes.size()) < 1.6 * static_cast<double>(patch.seen()));
+    CHECK(same_content(decode_patch(plain.bytes, {.voxel_size = kSheetVoxel}), patch));
+  }
+  CHECK(patches[0].id.key.number == 0 && patches[1].id.key.number == 1);
+}

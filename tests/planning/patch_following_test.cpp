@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+/// Everything that follows a map follows one that patches leave.
+#include <surfleet/mapping/patch_fusion.hpp>
+
+#include <vector>
+
+#include <surfleet/core/random.hpp>
+#include <surfleet/mapping/voxel_state_map.hpp>
+#include <surfleet/motion/free_space.hpp>
+#include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/viewpoint/incomplete_surface.hpp>
+
+#include "../mapping/patch_scenes.hpp"
+#include "check.hpp"
+
+using namespace surfleet;
+using namespace surfleet::test;
+
+namespace {
+/// What a planner reads, on a fusion of patches.
+struct Followers {
+  VoxelStateMap states;
+  IncompleteSurface incomplete{{.known_weight = 0.3}};
+  FreeSpace free;
+  LazyPrmStar roadmap;
+  explicit Followers(const TsdfMap& map)
+      : states(map, {.known_weight = 0.3}),
+        free(states,
+             {.radius = 0.3, .bounds = Box3(Point3(-4, -4, -3), Point3(4, 4, 3)), .margin = 0.2}),
+        roadmap(free, {.seed = 3}) {
+    incomplete.update(states);
+  }
+  void update(const TsdfMap& map) {
+    states.update(map);
+    incomplete.update(states);
+    free.update();
+    roadmap.update();
+  }
+};
+}  // namespace
+
+TEST(states_elements_space_and_roadmap_after_removal_equal_those_built_afresh) {
+  const PatchFusionOptions options{.voxel_size = 0.2, .truncation = 0.6};
+  PatchRecorder<DropOffWeight<>> recorder({.voxel_size = 0.2}, {.truncation = 0.6},
+                                          {.full = 0.2, .zero = 0.3});
+  std::vector<MapPatch> patches;
+  for (int p = 0; p < 5; ++p) {
+    for (int i = 0; i < 5; ++i) {
+      const Pose T = sheet_pose(9 * p + i);
+      recorder.integrate(render(sheet_camera(), T, sheet(0.04)), sheet_camera(), T);
+    }
+    patches.push_back(recorder.close());
+  }
+  PatchFusion fusion(options);
+  Followers kept(fusion.map());
+  Random random(4);
+  std::vector<char> in(patches.size(), 0);
+  std::size_t elements = 0, reached = 0, cut_off = 0;
+  for (int round = 0; round < 8; ++round) {
+    for (std::uint64_t n = 1 + random.below(3); n > 0; --n) {
+      const std::size_t p = random.below(patches.size());
+      if (in[p] != 0)
+        fusion.remove(patches[p]);
+      else
+        fusion.add(patches[p]);
+      in[p] = in[p] != 0 ? 0 : 1;
+    }
+    kept.update(fusion.map());
+    PatchFusion built(options);
+    for (std::size_t p = patches.size(); p-- > 0;)
+      if (in[p] != 0) built.add(patches[p]);
+    Followers fresh(built.map());
+    std::size_t wrong = 0;
+    const Box3 bounds = kept.free.options().bounds;
+    for_each_index(fusion.map().index_of(bounds.min()), fusion.map().index_of(bounds.max()),
+                   [&](const VoxelIndex& v) {
+                     wrong += kept.states(v) != fresh.states(v) ? 1 : 0;
+                     wrong += kept.free.is_free_voxel(v) != fresh.free.is_free_voxel(v) ? 1 : 0;
+                   });
+    CHECK(wrong == 0);
+    const auto a = kept.incomplete.elements(), b = fresh.incomplete.elements();
+    CHECK(a.size() == b.size());
+    for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)
+      CHECK(a[i].voxel == b[i].voxel && a[i].direction == b[i].direction);
+    elements += a.size();
+    const auto here = kept.roadmap.reach_from(sheet_pose(0).translation());
+    const auto there = fresh.roadmap.reach_from(sheet_pose(0).translation());
+    for (int i = 0; i < 60; ++i) {
+      const Point3 goal(random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-2, 2));
+      CHECK(here(goal) == there(goal));
+      (here(goal) ? reached : cut_off) += 1;
+    }
+  }
+  CHECK(elements > 100 && reached > 20 && cut_off > 20);
+}
