@@ -8,6 +8,8 @@
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/camera_models.hpp>
 #include <surfleet/geometry/clean_surface.hpp>
+#include <surfleet/geometry/cloud_filters.hpp>
+#include <surfleet/geometry/cloud_normals.hpp>
 #include <surfleet/geometry/curvature.hpp>
 #include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
