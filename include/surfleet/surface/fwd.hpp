@@ -4,7 +4,14 @@
 #pragma once
 
 namespace surfleet {
+struct CloudTokenOptions;
+struct CloudTokens;
 class ContinuousField;
+struct Crease;
+struct CreaseFinder;
+struct FeatureCell;
+struct FeatureMapOptions;
+class FeatureMaps;
 struct FieldDrive;
 struct FrontDriveBicycle;
 class GeodesicStrips;
