@@ -134,7 +134,7 @@ TEST(feature_maps_of_an_l) {
                  ? 1
                  : 0;
     }
-    if (d > 0.07) CHECK(!c.edge);
+    if (d > 0.13) CHECK(!c.edge);
     if (!c.edge) continue;
     ++edges;
     crossed += between_lines(c.tangent, Eigen::Vector3d::UnitY()) < 6.0 ? 1 : 0;

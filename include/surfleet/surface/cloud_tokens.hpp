@@ -33,10 +33,18 @@ struct CloudTokenOptions {
   int threads = 1;
 };
 
-/// Tokens and, for each, whether it lies on an edge.
+/// A place on an edge and the edge's direction there, of either sign.
+struct EdgePoint {
+  Point3 position = Point3::Zero();
+  Eigen::Vector3d tangent = Eigen::Vector3d::UnitX();
+};
+
+/// Tokens, for each whether it lies on an edge, and places on the edges: of creases the points
+/// nearest to tokens within a scale of them, else the edge tokens' own.
 struct CloudTokens {
   std::vector<Token> tokens;
   std::vector<std::uint8_t> edge;
+  std::vector<EdgePoint> edge_points;
 };
 
 /// Reduced and refined tokens of a cloud: saliencies are those of the second round. The same for
@@ -77,6 +85,8 @@ inline CloudTokens cloud_tokens(std::span<const Point3> points,
       const bool at_edge = crease.share > options.edge_threshold &&
                            crease.distance <= options.edge_width * options.scale;
       result.edge.push_back(at_edge ? 1 : 0);
+      if (crease.share > options.edge_threshold && crease.distance <= options.scale)
+        result.edge_points.push_back({crease.foot, crease.tangent});
       // Beside a crease its own sheet is not what all neighbours together make.
       if (crease.share <= options.edge_threshold / 3.0) continue;
       kept[k].normal = crease.normal;
@@ -92,7 +102,9 @@ inline CloudTokens cloud_tokens(std::span<const Point3> points,
       result.tokens[k].normal = kept[k].normal;
       result.tokens[k].tangent = kept[k].tangent;
     } else {
-      result.edge.push_back(result.tokens[k].plate_share() > options.edge_threshold ? 1 : 0);
+      const Token& t = result.tokens[k];
+      result.edge.push_back(t.plate_share() > options.edge_threshold ? 1 : 0);
+      if (result.edge.back() != 0) result.edge_points.push_back({t.position, t.tangent});
     }
   }
   return result;

@@ -26,7 +26,7 @@ namespace surfleet {
 struct FeatureMapOptions {
   double voxel = 0.035;    ///< Side of a cell [m].
   double band = 1.5;       ///< Cells whose centre lies so near a token are held [voxels].
-  double inflation = 0.0;  ///< Cells so near an edge are edge cells as well [m].
+  double inflation = 0.0;  ///< Cells so near an edge are edge cells; √6 voxels at least [m].
   int threads = 1;
 };
 
@@ -143,18 +143,18 @@ class FeatureMaps {
     }
   }
 
-  /// A cell is an edge where an edge token lies within its half diagonal, or the inflation; its
-  /// tangent is the mean of those of all edge tokens so near, which may be said either way round.
+  /// A cell is an edge where an edge point lies within the inflation, at least √6 voxels: so no
+  /// step of two cells, up to 2 √3 voxels long, leaps over an edge of 90°. Its tangent is the mean
+  /// of those of all edge points so near, which may be said either way round.
   void mark_edges(const CloudTokens& cloud, const FeatureMapOptions& options) {
     std::vector<Point3> at;
     std::vector<Eigen::Vector3d> along;
-    for (std::size_t i = 0; i < cloud.tokens.size(); ++i) {
-      if (cloud.edge[i] == 0) continue;
-      at.push_back(cloud.tokens[i].position);
-      along.push_back(cloud.tokens[i].tangent);
+    for (const EdgePoint& e : cloud.edge_points) {
+      at.push_back(e.position);
+      along.push_back(e.tangent);
     }
     const KdTree tree(at);
-    const double reach = std::max(options.inflation, std::sqrt(0.75) * voxel_);
+    const double reach = std::max(options.inflation, std::sqrt(6.0) * voxel_);
     for (FeatureCell& cell : cells_) {
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
       int count = 0;
