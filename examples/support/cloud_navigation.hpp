@@ -37,7 +37,7 @@ namespace surfleet::examples {
 struct CloudNavigation {
   std::string scene, out, voting = "sheets";
   double edge = 0.0, density = 3600.0, cloud_noise = 0.0, spacing = 0.0, outliers = 3.0;
-  double vote_scale = 0.0, mask = 0.5, voxel = 0.0, edge_threshold = 0.12, inflate = 0.0;
+  double vote_scale = 0.0, mask = 0.5, voxel = 0.0, edge_threshold = 0.06, inflate = 0.0;
   std::vector<double> scan_from, cost, start, goal;
   double off_surface = 0.1, speed = 0.05;
   std::uint64_t seed = 1;

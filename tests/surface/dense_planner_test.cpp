@@ -212,7 +212,7 @@ TEST(edges_are_crossed_squarely) {
       CHECK(std::hypot(on.x(), on.z()) < 0.03);
       for (const std::size_t side : {at - 1, at + 1}) {  // square in truth
         const Eigen::Vector3d step = (smooth.points[side].position - on).normalized();
-        CHECK(std::abs(step.y()) < std::sin(radians(6.0)));
+        CHECK(std::abs(step.y()) < std::sin(radians(2.5)));
       }
       CHECK(smooth.length() < path->length * 1.08);
     }

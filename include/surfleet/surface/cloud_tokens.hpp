@@ -26,8 +26,8 @@ enum class FirstRound {
 struct CloudTokenOptions {
   double scale = 0.06;  ///< σ [m].
   double mask = 0.5;    ///< β: no two tokens nearer than β σ.
-  /// λ_edge: least (λ₂ − λ₃) / λ₁ of an edge, of votes (balls) or of normals (sheets).
-  double edge_threshold = 0.12;
+  /// λ_edge: least (λ₂ − λ₃) / λ₁ of an edge, of votes (balls: 0.25) or of normals (sheets).
+  double edge_threshold = 0.06;
   double edge_width = 0.45;  ///< Greatest distance of an edge token from its crease [scales].
   FirstRound first = FirstRound::sheets;
   int threads = 1;
@@ -88,7 +88,7 @@ inline CloudTokens cloud_tokens(std::span<const Point3> points,
       if (crease.share > options.edge_threshold && crease.distance <= options.scale)
         result.edge_points.push_back({crease.foot, crease.tangent});
       // Beside a crease its own sheet is not what all neighbours together make.
-      if (crease.share <= options.edge_threshold / 3.0) continue;
+      if (crease.share <= options.edge_threshold / 2.0) continue;
       kept[k].normal = crease.normal;
       kept[k].position = points[reduced[k]] + crease.offset * crease.normal;
       kept[k].tangent = crease.tangent;

@@ -21,7 +21,8 @@ struct Crease {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< Of its own sheet, of either sign.
   Eigen::Vector3d tangent = Eigen::Vector3d::UnitX();  ///< Along the crease, of either sign.
   double offset = 0.0;  ///< From the point to its own sheet along `normal` [m].
-  double share = 0.0;  ///< (λ₂ − λ₃) / λ₁ of the normals' tensor: how far they are spread.
+  double share = 0.0;   ///< (λ₂ − λ₃) / λ₁ of the normals' tensor: how far the given
+                        ///< ones, which turn over a neighbourhood, are spread.
   double distance = std::numeric_limits<double>::infinity();  ///< To the crease [m].
   Point3 foot = Point3::Zero();  ///< The nearest place on the crease, where there is one [m].
 };
@@ -32,7 +33,7 @@ struct Crease {
 /// such a place too, but its normals are spread little: `share` tells them apart.
 struct CreaseFinder {
   double scale = 0.06;   ///< σ [m].
-  double reach = 2.0;    ///< Over which normals are compared and planes meet [scales].
+  double reach = 1.5;    ///< Over which normals are compared and planes meet [scales].
   double filter = 1.5;   ///< Reach of the filter [scales].
   double alike = 0.35;   ///< Sine of the angle between normals at which the weight is 1/e.
   double aligned = 0.7;  ///< Distance off a neighbour's plane at which the weight is 1/e [scales].
@@ -66,19 +67,23 @@ struct CreaseFinder {
           crease.normal = sharp[i];
           crease.offset = sheet.offset;
           const double radius = reach * scale;
-          Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+          Eigen::Matrix3d spread = Eigen::Matrix3d::Zero(), given = spread;
           Eigen::Vector3d planes = Eigen::Vector3d::Zero();
           tree.for_each_within(points[i], radius, [&](const Neighbor& n) {
             const auto j = static_cast<std::size_t>(n.index);
             const double inside = 1.0 - n.distance2 / (radius * radius), w = inside * inside;
             spread += w * sharp[j] * sharp[j].transpose();
+            given += w * normals[j] * normals[j].transpose();
             planes += w * sharp[j].dot(points[j] - points[i]) * sharp[j];
           });
           const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
           const Eigen::Vector3d l = solver.eigenvalues();
           if (!(l[2] > 0.0)) return;
           crease.tangent = solver.eigenvectors().col(0);
-          crease.share = (l[1] - l[0]) / l[2];
+          const Eigen::Vector3d g =
+              Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(given, Eigen::EigenvaluesOnly)
+                  .eigenvalues();
+          crease.share = (g[1] - g[0]) / g[2];
           if (!(l[1] > 1e-3 * l[2])) return;
           Eigen::Vector3d to = Eigen::Vector3d::Zero();
           for (int axis = 1; axis < 3; ++axis) {

@@ -36,7 +36,7 @@ struct DenseCosts {
 
 struct DensePlannerOptions {
   DenseCosts costs = {};
-  double least_saliency = 0.2;        ///< λ_surf, as a share of the greatest.
+  double least_saliency = 0.35;       ///< λ_surf, as a share of the greatest.
   double most_turn = radians(50.0);   ///< λ_turn: turns in a step stay below [rad].
   double fan = radians(48.0);         ///< Half opening of the fan of moves on the surface [rad].
   double fan_step = radians(8.0);     ///< Between its moves [rad].
