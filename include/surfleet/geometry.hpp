@@ -33,6 +33,7 @@
 #include <surfleet/geometry/predicates.hpp>
 #include <surfleet/geometry/prism.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/geometry/simplify.hpp>
 #include <surfleet/geometry/stamped_files.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/geometry/text_scanner.hpp>

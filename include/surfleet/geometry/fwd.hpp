@@ -36,6 +36,7 @@ struct Prism;
 struct RadialTangentialCamera;
 struct RayHit;
 struct ShortestPaths;
+struct SimplifyOptions;
 class TextScanner;
 struct TriangleMesh;
 }  // namespace surfleet
