@@ -41,6 +41,9 @@ TEST(simplified_solids_keep_their_shape_and_kind) {
   CHECK(small_ring.triangles.size() <= 400 && is_closed_and_oriented(small_ring));
   check_simplified(small_ring, ring, 0.08);
   CHECK(simplified(ball, {.triangles = 500}).triangles == small_ball.triangles);
+  // Around this thin ring three edges close without a triangle: none of them may go.
+  const TriangleMesh wire = simplified(make_torus({0, 0, 0}, 1.0, 0.05, 60, 3), {.triangles = 0});
+  CHECK(euler_number(wire) == 0 && is_closed_and_oriented(wire));
   const TriangleMesh least = simplified(ball, {.triangles = 0});
   CHECK(least.triangles.size() >= 4 && is_closed_and_oriented(least));
   CHECK(euler_number(least) == 2);
