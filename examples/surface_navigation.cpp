@@ -4,6 +4,8 @@
 //   surface_navigation                                        over the bumpy slope
 //   surface_navigation --scene steam_chest --goal 4.9 0.2 0 2.6 0.95 0.1 --robot magnebike
 //   surface_navigation --scene tank.ply --start 0 0 1 --goal 2 0 1 --field perpendicular
+//   surface_navigation --method dense --scene l_shape         over samples of it, by tensor voting
+//   surface_navigation --method dense --scene scan.ply --start 0 0 1 --goal 2 0 1
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -26,6 +28,7 @@
 #include <surfleet/surface/strip_search.hpp>
 
 #include "support/cli.hpp"
+#include "support/cloud_navigation.hpp"
 #include "support/peak_memory.hpp"
 #include "support/stopwatch.hpp"
 #include "support/surface_scene.hpp"
@@ -41,6 +44,8 @@ struct Settings {
   double off_surface = 0.1;
   std::uint64_t seed = 1;
   bool cover = false, quiet = false;
+  std::string method = "strip";
+  examples::CloudNavigation cloud;
 };
 
 Settings settings(int argc, char** argv) {
@@ -51,6 +56,34 @@ Settings settings(int argc, char** argv) {
       "surface.ply, strip.ply, path.tum, driven.tum, a picture and report.html to --out.\n"
       "Exit status: 0 done, 2 input refused, 3 a goal was not reached.");
   app.add("--scene", s.scene, examples::kSurfaceScenes);
+  app.add("--method", s.method,
+          "strip: over a mesh; dense: over a point cloud (.ply without triangles, .xyz) or samples "
+          "of a scene, by tensor voting and A* over cells and headings")
+      .one_of({"strip", "dense"});
+  examples::CloudNavigation& c = s.cloud;
+  app.add("--density", c.density, "of the samples of a scene [1/m^2] (dense)").positive();
+  app.add("--scan-from", c.scan_from,
+          "X Y Z [m] of each rotating lidar that takes the scene in place of even samples (dense)");
+  app.add("--cloud-noise", c.cloud_noise, "on samples, or along beams [m] (dense)").zero_or_more();
+  app.add("--spacing", c.spacing, "least between points kept [m]; 0: all (dense)").zero_or_more();
+  app.add("--outliers", c.outliers,
+          "points so many deviations lonelier than the mean go; 0: none (dense)")
+      .zero_or_more();
+  app.add("--voting", c.voting,
+          "sheets: moved points, edges where planes meet; balls: as printed (dense)")
+      .one_of({"sheets", "balls"});
+  app.add("--vote-scale", c.vote_scale,
+          "of voting [m]; 0: the larger of 0.06 and 3 times the points' spacing (dense)")
+      .zero_or_more();
+  app.add("--mask", c.mask, "tokens keep so many scales apart (dense)").zero_or_more();
+  app.add("--voxel", c.voxel, "side of a cell [m]; 0: 0.58 scales (dense)").zero_or_more();
+  app.add("--edge-threshold", c.edge_threshold, "least plate share of an edge, 0 to 1 (dense)")
+      .zero_or_more();
+  app.add("--inflate", c.inflate, "edges by this [m] (dense)").zero_or_more();
+  app.add("--cost", c.cost,
+          "K1 K2 K3 K4 of distance, low saliency [1/m], turns [m/rad^2], bends taken askew "
+          "[1/rad^2] (dense); else 1 2 0.02 0.1");
+  app.add("--threads", c.threads, "for voting (dense)").positive();
   app.add("--edge", s.edge, "edge length of a bundled scene [m]; 0: its own default");
   app.add("--start", s.start, "X Y Z [m], on the nearest triangle; else one end of the scene");
   app.add("--goal", s.goal, "X Y Z [m] of each goal, in order; else the other end");
@@ -82,6 +115,8 @@ Settings settings(int argc, char** argv) {
   require(s.edge >= 0.0 && std::isfinite(s.edge), "--edge: expected 0 or more metres");
   require(s.start.empty() || s.start.size() == 3, "--start: expected three numbers");
   require(s.goal.size() % 3 == 0, "--goal: expected three numbers for each goal");
+  require(s.method == "strip" || (!s.cover && s.blocked.empty() && s.robot == "point"),
+          "--cover, --blocked, --robot: expected --method strip with them");
   require(!s.cover || s.goal.empty(), "--cover: expected no --goal with it");
   require(!s.cover || s.robot != "magnebike", "--cover: expected --robot point or epuck");
   require(s.noise[0] >= 0.0 && s.noise[1] >= 0.0, "--noise: expected 0 or more");
@@ -242,7 +277,20 @@ class Navigation {
 
 int run(int argc, char** argv) {
   const auto begin = examples::Clock::now();
-  const Settings s = settings(argc, argv);
+  Settings s = settings(argc, argv);
+  if (s.method == "dense") {
+    examples::CloudNavigation& c = s.cloud;
+    c.scene = s.scene;
+    c.out = s.out;
+    c.edge = s.edge;
+    c.start = s.start;
+    c.goal = s.goal;
+    c.off_surface = s.off_surface;
+    c.speed = s.speed;
+    c.seed = s.seed;
+    c.quiet = s.quiet;
+    return examples::navigate_cloud(c);
+  }
   SurfaceDefects defects;
   const TriangleMesh mesh = clean_surface(examples::surface_scene(s.scene, s.edge), &defects);
   require(s.blocked.empty() || defects.removed_triangles == 0,

@@ -8,6 +8,8 @@
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/camera_models.hpp>
 #include <surfleet/geometry/clean_surface.hpp>
+#include <surfleet/geometry/cloud_filters.hpp>
+#include <surfleet/geometry/cloud_normals.hpp>
 #include <surfleet/geometry/curvature.hpp>
 #include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
@@ -31,6 +33,7 @@
 #include <surfleet/geometry/predicates.hpp>
 #include <surfleet/geometry/prism.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/geometry/simplify.hpp>
 #include <surfleet/geometry/stamped_files.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/geometry/text_scanner.hpp>

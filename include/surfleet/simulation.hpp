@@ -6,6 +6,7 @@
 #include <surfleet/simulation/fwd.hpp>
 
 #include <surfleet/simulation/agreeing_judges.hpp>
+#include <surfleet/simulation/climbing_scenes.hpp>
 #include <surfleet/simulation/depth_camera.hpp>
 #include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
@@ -19,6 +20,7 @@
 #include <surfleet/simulation/powerplant.hpp>
 #include <surfleet/simulation/presets.hpp>
 #include <surfleet/simulation/random_scene.hpp>
+#include <surfleet/simulation/rotating_lidar.hpp>
 #include <surfleet/simulation/scene.hpp>
 #include <surfleet/simulation/scenes.hpp>
 #include <surfleet/simulation/simulated_drone.hpp>

@@ -5,10 +5,15 @@
 
 #include <surfleet/surface/fwd.hpp>
 
+#include <surfleet/surface/cloud_tokens.hpp>
+#include <surfleet/surface/creases.hpp>
+#include <surfleet/surface/dense_planner.hpp>
 #include <surfleet/surface/drive_path.hpp>
+#include <surfleet/surface/feature_maps.hpp>
 #include <surfleet/surface/follow_field.hpp>
 #include <surfleet/surface/geodesic_strip.hpp>
 #include <surfleet/surface/sheet_tokens.hpp>
+#include <surfleet/surface/smooth_path.hpp>
 #include <surfleet/surface/strip_field.hpp>
 #include <surfleet/surface/strip_search.hpp>
 #include <surfleet/surface/surface_point.hpp>

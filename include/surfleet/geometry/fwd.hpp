@@ -24,8 +24,10 @@ class KdTree;
 struct KeepOut;
 class MeshAdjacency;
 struct MeshComponents;
+struct OutlierOptions;
 struct PinholeCamera;
 struct PointCloud;
+struct PlaneNormalOptions;
 class PointLocator;
 struct Polygon;
 class PolygonClipper;
@@ -34,6 +36,7 @@ struct Prism;
 struct RadialTangentialCamera;
 struct RayHit;
 struct ShortestPaths;
+struct SimplifyOptions;
 class TextScanner;
 struct TriangleMesh;
 }  // namespace surfleet

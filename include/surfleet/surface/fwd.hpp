@@ -4,13 +4,25 @@
 #pragma once
 
 namespace surfleet {
+struct CloudTokenOptions;
+struct CloudTokens;
 class ContinuousField;
+struct Crease;
+struct CreaseFinder;
+class DensePlanner;
+struct DensePath;
+struct EdgeCrossing;
+struct EdgePoint;
+struct FeatureCell;
+struct FeatureMapOptions;
+class FeatureMaps;
 struct FieldDrive;
 struct FrontDriveBicycle;
 class GeodesicStrips;
 class PerpendicularField;
 struct RearDriveBicycle;
 struct SheetTokens;
+struct SmoothPath;
 class SplineReference;
 struct StripCosts;
 struct StripPath;
@@ -23,6 +35,7 @@ struct SurfaceStep;
 class SurfaceWalk;
 class TautStrips;
 struct Token;
+class TokenSheet;
 struct TrackedDrive;
 struct TrackingControl;
 struct UnfoldedStrip;

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Normals of a point cloud: of the plane through each point's neighbours, then turned all
+/// to one side [004 §7.2.2].
+///
+///     cloud.normals = plane_normals(cloud.points);
+///     turn_to_sensor(cloud.points, sensor, cloud.normals);      // a single scan, or
+///     turn_consistently(cloud.points, 12, cloud.normals);       // over a minimum spanning tree
+#pragma once
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/parallel.hpp>
+#include <surfleet/geometry/cloud_filters.hpp>
+#include <surfleet/geometry/graph.hpp>
+#include <surfleet/geometry/kd_tree.hpp>
+
+namespace surfleet {
+struct PlaneNormalOptions {
+  std::size_t neighbors = 20;  ///< The nearest points that the plane goes through, itself included.
+  int threads = 1;
+};
+
+/// The direction of least variance among each point's nearest neighbours (PCA), of either sign;
+/// +z where fewer than three points lie apart. O(n log n).
+inline std::vector<Eigen::Vector3f> plane_normals(std::span<const Point3> points,
+                                                  const PlaneNormalOptions& options = {}) {
+  require(options.neighbors >= 3, "normals: expected three neighbours or more");
+  detail::check_finite(points, "normals");
+  const KdTree tree(points);
+  std::vector<Eigen::Vector3f> normals(points.size(), Eigen::Vector3f::UnitZ());
+  parallel_for(
+      points.size(), options.threads,
+      [&](std::size_t i) {
+        Eigen::Vector3d first = Eigen::Vector3d::Zero();
+        Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+        const auto found = tree.k_nearest(points[i], options.neighbors);
+        for (const Neighbor& n : found) {
+          const Eigen::Vector3d d = points[static_cast<std::size_t>(n.index)] - points[i];
+          first += d;
+          second += d * d.transpose();
+        }
+        const auto count = static_cast<double>(found.size());
+        first /= count;
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+            Eigen::Matrix3d(second / count - first * first.transpose()));
+        if (found.size() >= 3 && solver.eigenvalues()[2] > 0.0)
+          normals[i] = solver.eigenvectors().col(0).cast<float>();
+      },
+      64);
+  return normals;
+}
+
+/// Turns every normal to the side of the sensor that saw its point.
+inline void turn_to_sensor(std::span<const Point3> points, const Point3& sensor,
+                           std::span<Eigen::Vector3f> normals) {
+  require(points.size() == normals.size(), "normals: expected one a point");
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (normals[i].cast<double>().dot(sensor - points[i]) < 0.0) normals[i] = -normals[i];
+}
+
+/// Turns the normals to one side along a minimum spanning tree of 1 − |nᵢ · nⱼ| over each point's
+/// `neighbors` nearest (Hoppe et al. 1992). In every connected part the highest point's normal
+/// looks up. O(n k log n).
+inline void turn_consistently(std::span<const Point3> points, std::size_t neighbors,
+                              std::span<Eigen::Vector3f> normals) {
+  require(points.size() == normals.size(), "normals: expected one a point");
+  require(neighbors >= 1, "normals: expected one neighbour or more");
+  detail::check_finite(points, "normals");
+  const std::size_t n = points.size();
+  const KdTree tree(points);
+  std::vector<std::tuple<double, std::int32_t, std::int32_t>> links;
+  for (std::size_t i = 0; i < n; ++i)
+    for (const Neighbor& j : tree.k_nearest(points[i], neighbors + 1)) {
+      const auto a = static_cast<std::int32_t>(i);
+      if (a == j.index) continue;
+      const double cosine =
+          static_cast<double>(normals[i].dot(normals[static_cast<std::size_t>(j.index)]));
+      links.emplace_back(1.0 - std::abs(cosine), std::min(a, j.index), std::max(a, j.index));
+    }
+  std::sort(links.begin(), links.end());
+  std::vector<std::int32_t> part(n);  // Kruskal's, with the parts' representatives
+  std::iota(part.begin(), part.end(), 0);
+  const auto representative = [&](std::int32_t v) {
+    const auto up = [&](std::int32_t u) -> std::int32_t& {
+      return part[static_cast<std::size_t>(u)];
+    };
+    while (up(v) != v) v = up(v) = up(up(v));
+    return v;
+  };
+  std::vector<std::pair<std::int32_t, Arc>> kept;
+  for (const auto& [weight, a, b] : links) {
+    const std::int32_t p = representative(a), q = representative(b);
+    if (p == q) continue;
+    part[static_cast<std::size_t>(std::max(p, q))] = std::min(p, q);
+    kept.push_back({a, {b, weight}});
+    kept.push_back({b, {a, weight}});
+  }
+  const Graph spanning(n, kept);
+
+  std::vector<std::size_t> order(n);  // roots: the highest point of a part comes first
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return points[a].z() > points[b].z(); });
+  std::vector<std::uint8_t> done(n, 0);
+  std::vector<std::int32_t> stack;
+  for (const std::size_t root : order) {
+    if (done[root] != 0) continue;
+    if (normals[root].z() < 0.0F) normals[root] = -normals[root];
+    done[root] = 1;
+    stack.assign(1, static_cast<std::int32_t>(root));
+    while (!stack.empty()) {
+      const std::int32_t v = stack.back();
+      stack.pop_back();
+      for (const Arc& arc : spanning.arcs(v)) {
+        const auto j = static_cast<std::size_t>(arc.to);
+        if (done[j] != 0) continue;
+        if (normals[j].dot(normals[static_cast<std::size_t>(v)]) < 0.0F) normals[j] = -normals[j];
+        done[j] = 1;
+        stack.push_back(arc.to);
+      }
+    }
+  }
+}
+}  // namespace surfleet
