@@ -34,10 +34,10 @@ class MeshAdjacency {
 
   explicit MeshAdjacency(const TriangleMesh& mesh) {
     const std::size_t n = mesh.triangles.size();
-    struct Side {
+    struct TriangleSide {
       std::int32_t low, high, triangle, side;
     };
-    std::vector<Side> sides;
+    std::vector<TriangleSide> sides;
     sides.reserve(3 * n);
     for (std::size_t t = 0; t < n; ++t)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -45,13 +45,13 @@ class MeshAdjacency {
         if (a != b)
           sides.push_back({a, b, static_cast<std::int32_t>(t), static_cast<std::int32_t>(k)});
       }
-    std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
+    std::sort(sides.begin(), sides.end(), [](const TriangleSide& x, const TriangleSide& y) {
       return std::array{x.low, x.high, x.triangle, x.side} <
              std::array{y.low, y.high, y.triangle, y.side};
     });
     triangle_edges_.assign(n, {kNone, kNone, kNone});
     for (std::size_t i = 0; i < sides.size(); ++i) {
-      const Side& s = sides[i];
+      const TriangleSide& s = sides[i];
       if (i == 0 || s.low != sides[i - 1].low || s.high != sides[i - 1].high) {
         edge_first_.push_back(edge_triangles_.size());
         edges_.push_back({{s.low, s.high}});
