@@ -70,6 +70,11 @@ inline std::optional<Circle> fit_circle(std::span<const Point2> points) {
 inline std::vector<Circle> hough_circles(std::vector<Point2> outline, double least, double most,
                                          double share = 0.2) {
   constexpr double kNear = 1.0;  // of a point on a circle [px]
+  struct Cell {
+    int votes = 0;
+    std::size_t last = static_cast<std::size_t>(-1);  // a point votes once for a centre
+  };
+  std::vector<Cell> cells;
   std::vector<Circle> found;
   least = std::max(least, 1.5);
   while (outline.size() >= 6) {
@@ -80,8 +85,7 @@ inline std::vector<Circle> hough_circles(std::vector<Point2> outline, double lea
     Circle best;
     double best_share = 0.0;
     for (double r = least; r <= most; r += 0.5) {
-      std::vector<int> votes(static_cast<std::size_t>(width * height), 0);
-      std::vector<int> last(votes.size(), -1);  // a point votes once for a centre
+      cells.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), Cell{});
       const int steps = static_cast<int>(std::ceil(2.0 * kPi * r));
       for (std::size_t i = 0; i < outline.size(); ++i)
         for (int k = 0; k < steps; ++k) {
@@ -91,9 +95,10 @@ inline std::vector<Circle> hough_circles(std::vector<Point2> outline, double lea
                     v = static_cast<int>(std::lround(c.y()));
           if (u < 0 || v < 0 || u >= width || v >= height) continue;
           const auto cell = static_cast<std::size_t>(v * width + u);
-          if (last[cell] == static_cast<int>(i)) continue;
-          last[cell] = static_cast<int>(i);
-          if (const double s = ++votes[cell] / (8.0 * r); s > best_share) {
+          Cell& at = cells[cell];
+          if (at.last == i) continue;
+          at.last = i;
+          if (const double s = ++at.votes / (8.0 * r); s > best_share) {
             best_share = s;
             best = {box.min() + Point2(u, v), r};
           }

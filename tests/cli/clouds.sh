@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Paths over raw point clouds: what they leave, twice the same, and what is refused.
+set -eu
+bin=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+value() { grep "\"$2\":" "$1/metrics.json" | head -n 1 | sed 's/.*: //; s/,.*//'; }
+refused() {
+  local status=0
+  "$bin/surface_navigation" "$@" --out refused >said.txt 2>&1 || status=$?
+  [ $status = 2 ] && [ "$(wc -l <said.txt)" = 1 ] && [ ! -e refused ] ||
+    { echo "not refused: $*"; cat said.txt; exit 1; }
+}
+for run in one two; do
+  "$bin/surface_navigation" --scene tube --method dense --voxel 0.05 --out $run >/dev/null 2>&1
+  for file in metrics.json tokens.ply edges.ply path.tum report.html; do
+    [ -s $run/$file ] || { echo "$run/$file is missing"; exit 1; }
+  done
+done
+cmp one/path.tum two/path.tum
+cmp one/tokens.ply two/tokens.ply
+grep -q '"reached_goal": true' one/metrics.json
+awk -v r="$(value one geodesic_ratio)" -v o="$(value one orientation_error_deg)" \
+  'BEGIN { if (r < 0.95 || r > 1.1 || o > 4) { print "ratio", r, "orientation", o; exit 1 } }'
+
+# A cloud from a file, the one that was made.
+"$bin/surface_navigation" --scene one/tokens.ply --method dense --voxel 0.05 --out cloud >cloud.txt 2>&1 ||
+  [ $? = 3 ]
+[ -s cloud/metrics.json ]
+
+refused --scene tube --method magic
+refused --scene tube --method dense --voxel -1
+refused --scene tube --method dense --robot epuck
+refused --scene nowhere.ply --method dense
+printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' >one.ply
+refused --scene one.ply --method dense
+printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\nnan 0 0\n1 0 0\n' >nan.ply
+refused --scene nan.ply --method dense
