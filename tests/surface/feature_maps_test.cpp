@@ -76,7 +76,7 @@ TEST(edge_tokens_of_an_l_and_none_of_a_tube) {
     ++plain;
     askew += between_lines(t.normal, normal) > 15.0 ? 1 : 0;
   }
-  CHECK(plain > 150 && askew <= plain / 30);
+  CHECK(plain > 150 && askew <= plain / 20);
   CHECK(hits > 4 && 2.0 * hits / (2.0 * hits + false_alarms + missed) > 0.8);
 
   Random random(2);
