@@ -177,7 +177,6 @@ TEST(five_meet_in_a_point) {
 
 TEST(random_traffic_in_a_plane) {
   Random random(12);
-  int stuck = 0;
   for (int trial = 0; trial < 60; ++trial) {
     std::vector<std::pair<Point3, Point3>> trips;
     const auto draw = [&](bool goal) {
@@ -192,14 +191,10 @@ TEST(random_traffic_in_a_plane) {
       const Point3 start = draw(false), goal = draw(true);
       trips.emplace_back(start, goal);
     }
-    const Outcome o = simulate(trips, [](const Point3&, const Point3& b) {
+    expect_good(simulate(trips, [](const Point3&, const Point3& b) {
       return b.head<2>().cwiseAbs().maxCoeff() < 16 && std::abs(b.z()) < 0.2;
-    });
-    CHECK(o.nearest >= 2.0);
-    stuck += o.all_arrived ? 0 : 1;
+    }));
   }
-  // Robots that decide at once may wait for each other; in missions they give up after a minute.
-  CHECK(stuck <= 1);
 }
 
 TEST(an_idle_robot_makes_way_and_comes_back) {

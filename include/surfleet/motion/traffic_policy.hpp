@@ -27,8 +27,8 @@ struct TrafficAgent {
   bool idle = false;           ///< Has no task: gives way to everyone who has.
   bool cornered = false;       ///< Could not give way: everyone gives way to it.
   /// Stands, and will ask again before it moves on. Robots decide at once, on what was told before:
-  /// to a senior such a robot stands, a junior counts on its going on, so that of two that wait for
-  /// each other's first step just one takes it.
+  /// to a senior such a robot stands, a junior counts on its going on unless it is itself in the
+  /// way, so that of two that wait for each other's first step just one takes it.
   bool held = false;
 };
 
@@ -156,26 +156,39 @@ class TrafficPolicy {
   /// whatever it is on its way for, or −1. To be asked every `period` while moving.
   int too_close(const TrafficAgent& self, std::span<const TrafficAgent> others) const {
     if (self.path.size() < 2) return -1;
-    const auto reach = [&](const TrafficAgent& a) {
-      return a.path.size() < 2 || (a.held && a.id != self.id && before(self, a))
-                 ? std::vector<Point3>{a.position}
-                 : detail::head_of(a.path, a.speed * options.period +
-                                               0.5 * a.speed * a.speed / options.braking);
-    };
     const auto mine = reach(self);
     for (const TrafficAgent& o : others) {
       if (o.id == self.id) continue;
-      const double gap = self.radius + o.radius + options.least_gap;
-      if (detail::polyline_distance(mine, reach(o)) >= gap) continue;
-      bool closing = false;
-      for (std::size_t i = 1; i < mine.size(); ++i)
-        closing = closing || (mine[i] - mine[i - 1]).dot(o.position - mine[i - 1]) > 0.0;
-      if (closing) return o.id;
+      const auto its = stays(o, self) ? std::vector<Point3>{o.position} : reach(o);
+      if (closes_in(self, mine, o, its)) return o.id;
     }
     return -1;
   }
 
  private:
+  /// The way of a moving robot until it would stand, told so at the next decision.
+  std::vector<Point3> reach(const TrafficAgent& a) const {
+    return detail::head_of(a.path,
+                           a.speed * options.period + 0.5 * a.speed * a.speed / options.braking);
+  }
+  /// Whether `a` on its way `mine` comes too near to `o`, on `its` way, and nearer than it is.
+  bool closes_in(const TrafficAgent& a, std::span<const Point3> mine, const TrafficAgent& o,
+                 std::span<const Point3> its) const {
+    if (detail::polyline_distance(mine, its) >= a.radius + o.radius + options.least_gap)
+      return false;
+    bool closing = false;
+    for (std::size_t i = 1; i < mine.size(); ++i)
+      closing = closing || (mine[i] - mine[i - 1]).dot(o.position - mine[i - 1]) > 0.0;
+    return closing;
+  }
+  /// Whether `self` may count on `o` not to move until the next decision.
+  bool stays(const TrafficAgent& o, const TrafficAgent& self) const {
+    if (o.path.size() < 2) return true;
+    if (!o.held) return false;
+    // A senior that waits, too, stays if it is `self`, standing, that it waits for.
+    const std::array<Point3, 1> here{self.position};
+    return before(self, o) || (self.held && closes_in(o, reach(o), self, here));
+  }
   static bool before(const TrafficAgent& a, const TrafficAgent& b) {
     if (a.cornered != b.cornered) return a.cornered;
     if (a.idle != b.idle) return b.idle;
