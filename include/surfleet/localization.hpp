@@ -21,6 +21,7 @@
 #include <surfleet/localization/p3p_kneip.hpp>
 #include <surfleet/localization/p3p_lambda_twist.hpp>
 #include <surfleet/localization/pose_prediction.hpp>
+#include <surfleet/localization/predicted_match.hpp>
 #include <surfleet/localization/refine_pose.hpp>
 #include <surfleet/localization/sphere_outline.hpp>
 #include <surfleet/localization/target_design.hpp>

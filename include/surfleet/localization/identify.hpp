@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -74,6 +75,38 @@ inline double expected_diameter(const Observation& near, double radius, const Ei
   return 2.0 * radius / p.norm() * pixels_per_radian;
 }
 
+struct MarkerPair {
+  double error;  ///< Squared, of the blob from where the marker is seen [px²].
+  std::size_t marker, blob;
+};
+/// The nearest pairs first, gives each marker without a blob one that is not taken.
+/// O(pairs log pairs), which are sorted by it.
+inline void take_nearest(std::vector<MarkerPair>& pairs, std::vector<bool>& taken, TargetFit& fit) {
+  std::sort(pairs.begin(), pairs.end(), [](const MarkerPair& a, const MarkerPair& b) {
+    return std::tie(a.error, a.marker, a.blob) < std::tie(b.error, b.marker, b.blob);
+  });
+  for (const MarkerPair& pair : pairs) {
+    int& blob = fit.blob_of_marker[pair.marker];
+    if (blob != TargetFit::kUnseen || taken[pair.blob]) continue;
+    blob = static_cast<int>(pair.blob);
+    taken[pair.blob] = true;
+    ++fit.matches;
+  }
+}
+/// Puts what a refinement gave into the fit; false, with no more than χ² changed, if that is
+/// unlikely and `judge` says to mind.
+inline bool take_refined(const RefinedPose& refined, const IdentifyOptions& options, bool judge,
+                         TargetFit& fit) {
+  fit.chi_square = refined.cost / (options.pixel_noise * options.pixel_noise);
+  const double dof = 2.0 * static_cast<double>(fit.matches) - 6.0;
+  if (judge && dof > 0.0 && fit.chi_square > chi_square_quantile(dof, options.max_deviations))
+    return false;
+  fit.T_camera_target = refined.T_camera_target;
+  fit.covariance = refined.covariance(options.pixel_noise);
+  fit.score = fit.chi_square + std::log(std::max(refined.information.determinant(), 1e-300));
+  return true;
+}
+
 /// Gathers fits of one target among one image's blobs.
 class FitSearch {
  public:
@@ -111,11 +144,6 @@ class FitSearch {
   }
 
  private:
-  struct Pair {
-    double error;
-    int marker, blob;
-  };
-
   /// Whether any marker but those that are sure falls on a blob but theirs: most poses end here.
   bool promising(const Pose& T, std::span<const int> sure, double gate) const {
     for (std::size_t m = 0; m < sure.size(); ++m) {
@@ -149,22 +177,10 @@ class FitSearch {
         const double along = blobs_[b].bearing.dot(p);
         if (!(along > 0.0)) continue;
         const double error = (blobs_[b].to_pixels * p).squaredNorm() / (along * along);
-        if (error <= gate * gate && size_fits(blobs_[b], p))
-          pairs_.push_back({error, static_cast<int>(m), static_cast<int>(b)});
+        if (error <= gate * gate && size_fits(blobs_[b], p)) pairs_.push_back({error, m, b});
       }
     }
-    if (pairs_.empty()) return fit.matches >= options_.min_matches;
-    std::sort(pairs_.begin(), pairs_.end(), [](const Pair& a, const Pair& b) {
-      return a.error != b.error ? a.error < b.error
-                                : std::pair(a.marker, a.blob) < std::pair(b.marker, b.blob);
-    });
-    for (const Pair& pair : pairs_) {
-      int& blob = fit.blob_of_marker[static_cast<std::size_t>(pair.marker)];
-      if (blob != TargetFit::kUnseen || taken_[static_cast<std::size_t>(pair.blob)]) continue;
-      blob = pair.blob;
-      taken_[static_cast<std::size_t>(pair.blob)] = true;
-      ++fit.matches;
-    }
+    take_nearest(pairs_, taken_, fit);
     return fit.matches >= options_.min_matches;
   }
   bool size_fits(const Observation& blob, const Eigen::Vector3d& p) const {
@@ -184,15 +200,7 @@ class FitSearch {
       }
     const RefinedPose refined = refine_pose(seen_, points_, start, options_.refine);
     if (!refined.valid()) return false;
-    const double variance = options_.pixel_noise * options_.pixel_noise;
-    fit.chi_square = refined.cost / variance;
-    const double dof = 2.0 * static_cast<double>(fit.matches) - 6.0;
-    if (dof > 0.0 && fit.chi_square > chi_square_quantile(dof, options_.max_deviations))
-      return false;
-    fit.T_camera_target = refined.T_camera_target;
-    fit.covariance = refined.covariance(options_.pixel_noise);
-    fit.score = fit.chi_square + std::log(std::max(refined.information.determinant(), 1e-300));
-    return true;
+    return take_refined(refined, options_, true, fit);
   }
   /// Whether a fit with these matches and about this pose is there already.
   bool known(const TargetFit& fit, const Pose& T) const {
@@ -208,7 +216,7 @@ class FitSearch {
   const IdentifyOptions& options_;
   std::vector<TargetFit> fits_;
   std::vector<bool> taken_;
-  std::vector<Pair> pairs_;
+  std::vector<MarkerPair> pairs_;
   std::vector<Observation> seen_;
   std::vector<Point3> points_;
 };
