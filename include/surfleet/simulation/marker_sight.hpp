@@ -99,7 +99,7 @@ class MarkerSight {
         if (distance > options_.max_distance) continue;
         const auto px = options_.camera.project(T_camera_world * light);
         if (!px || caster_->cast(eye, light - eye, 1.0 - 1e-9)) continue;
-        const Eigen::Vector2d noise(random.normal(), random.normal());
+        const Eigen::Vector2d noise{random.normal(), random.normal()};
         all.push_back(observe(options_.camera, *px + options_.pixel_noise * noise));
       }
     }
