@@ -103,7 +103,7 @@ inline bool take_refined(const RefinedPose& refined, const IdentifyOptions& opti
     return false;
   fit.T_camera_target = refined.T_camera_target;
   fit.covariance = refined.covariance(options.pixel_noise);
-  fit.score = fit.chi_square + std::log(std::max(refined.information.determinant(), 1e-300));
+  fit.score = fit.chi_square + log_determinant(refined.information);
   return true;
 }
 

@@ -154,7 +154,7 @@ struct PredictedMatch {
   bool with_prior(const Pose& predicted, const Matrix6& covariance,
                   std::span<const Observation> blobs, TargetFit& fit) const {
     const double sigma = options.identify.pixel_noise;
-    const PosePrior prior{predicted, sigma * sigma * covariance.ldlt().solve(Matrix6::Identity())};
+    const PosePrior prior{predicted, sigma * sigma * inverse_of(covariance)};
     fit.T_camera_target = predicted;
     if (!refine(fit, blobs, false, &prior)) return false;
     // Six degrees of freedom: the six of the prior and as many of the markers less the pose's.

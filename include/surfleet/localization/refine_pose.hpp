@@ -27,9 +27,7 @@ struct RefinedPose {
 
   bool valid() const { return std::isfinite(cost); }
   /// Σ = σ² (JᵀJ)⁻¹ for centres with errors of `sigma` [px] along each axis.
-  Matrix6 covariance(double sigma) const {
-    return sigma * sigma * information.ldlt().solve(Matrix6::Identity());
-  }
+  Matrix6 covariance(double sigma) const { return sigma * sigma * inverse_of(information); }
 };
 
 /// What is known of a pose before it is measured.
@@ -111,7 +109,7 @@ inline RefinedPose refine_pose(std::span<const Observation> seen, std::span<cons
   for (; best.iterations < options.max_iterations; ++best.iterations) {
     Matrix6 damped = h;
     damped.diagonal() *= 1.0 + damping;
-    const Vector6 step = -damped.llt().solve(g);
+    const Vector6 step = -Eigen::LLT<Matrix6>(damped).solve(g);
     if (!step.allFinite()) break;
     const Pose next = perturbed(best.T_camera_target, step);
     const double cost = cost_of(next);

@@ -107,15 +107,16 @@ namespace detail {
 /// spectrum allows: exactly, where such a figure exists.
 inline std::vector<Point3> embed_distances(std::size_t m, std::span<const double> distances) {
   const auto size = static_cast<Eigen::Index>(m);
-  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(size, size);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(size, size);  // of half the squares, then centred
   std::size_t k = 0;
   for (Eigen::Index i = 0; i < size; ++i)
     for (Eigen::Index j = i + 1; j < size; ++j, ++k)
-      squares(i, j) = squares(j, i) = distances[k] * distances[k];
-  const Eigen::MatrixXd center =
-      Eigen::MatrixXd::Identity(size, size) -
-      Eigen::MatrixXd::Constant(size, size, 1.0 / static_cast<double>(m));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(-0.5 * center * squares * center);
+      gram(i, j) = gram(j, i) = -0.5 * distances[k] * distances[k];
+  const Eigen::VectorXd mean = gram.rowwise().mean();
+  const double all = mean.mean();
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = 0; j < size; ++j) gram(i, j) += all - mean[i] - mean[j];
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
   std::vector<Point3> points(m, Point3::Zero());
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const Eigen::Index at = size - 1 - axis;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 #include <surfleet/core/types.hpp>
 
@@ -11,6 +12,18 @@ namespace surfleet {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/// The inverse of a covariance or an information matrix.
+inline Matrix6 inverse_of(const Matrix6& symmetric) {
+  return symmetric.ldlt().solve(Matrix6::Identity());
+}
+/// ln det of a covariance or an information matrix; ln 1e-300 if it is not positive definite.
+inline double log_determinant(const Matrix6& symmetric) {
+  const Eigen::LLT<Matrix6> root(symmetric);
+  double log = 0.0;
+  for (Eigen::Index i = 0; i < 6; ++i) log += 2.0 * std::log(root.matrixLLT()(i, i));
+  const double least = std::log(1e-300);
+  return root.info() == Eigen::Success && log > least ? log : least;
+}
 /// The matrix of the cross product with `v`.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
@@ -63,7 +76,7 @@ struct UncertainPose {
   /// covariance: χ² with six degrees of freedom (NEES).
   double normalized_error(const Pose& truth) const {
     const Vector6 xi = difference(pose, truth);
-    return xi.dot(covariance.ldlt().solve(xi));
+    return xi.dot(Vector6(inverse_of(covariance) * xi));
   }
 };
 
