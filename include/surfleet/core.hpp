@@ -8,6 +8,7 @@
 #include <surfleet/core/assert.hpp>
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/compiled.hpp>
+#include <surfleet/core/disjoint_sets.hpp>
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/core/parse_number.hpp>

@@ -24,6 +24,7 @@
 #include <surfleet/geometry/ply.hpp>
 #include <surfleet/geometry/point_cloud.hpp>
 #include <surfleet/geometry/point_location.hpp>
+#include <surfleet/geometry/point_moments.hpp>
 #include <surfleet/geometry/polygon.hpp>
 #include <surfleet/geometry/polygon_clipping.hpp>
 #include <surfleet/geometry/polygon_geodesic.hpp>

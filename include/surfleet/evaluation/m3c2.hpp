@@ -10,7 +10,6 @@
 /// @endcode
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,6 +24,7 @@
 #include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
 #include <surfleet/geometry/point_cloud.hpp>
+#include <surfleet/geometry/point_moments.hpp>
 
 namespace surfleet {
 /// Settings in the paper's words.
@@ -82,23 +82,16 @@ inline std::vector<Eigen::Vector3f> estimate_normals(std::span<const Point3> poi
       points.size(), threads,
       [&](std::size_t i) {
         const Point3& p = points[i];
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-        std::size_t n = 0;
+        PointMoments moments;
         Neighbor nearest{std::numeric_limits<double>::infinity(), 0};
         tree.for_each_within(p, 0.5 * scale, [&](const Neighbor& hit) {
-          const Eigen::Vector3d v = cloud.points[static_cast<std::size_t>(hit.index)] - p;
-          sum += v;
-          squares += v * v.transpose();
-          ++n;
+          moments.add(cloud.points[static_cast<std::size_t>(hit.index)] - p);
           if (hit < nearest) nearest = hit;
         });
-        if (n < 3) return;
-        const Eigen::Vector3d mean = sum / static_cast<double>(n);
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
-            squares / static_cast<double>(n) - mean * mean.transpose());
-        if (!(solver.eigenvalues()[1] > 1e-9 * solver.eigenvalues()[2])) return;
-        Eigen::Vector3d normal = solver.eigenvectors().col(0);
+        if (moments.weight < 3.0) return;
+        const PrincipalAxes axes(moments.covariance());
+        if (!(axes.values[1] > 1e-9 * axes.values[2])) return;
+        Eigen::Vector3d normal = axes.vectors.col(0);
         const Eigen::Vector3d side =
             oriented ? cloud.normals[static_cast<std::size_t>(nearest.index)].cast<double>().eval()
                      : Eigen::Vector3d::UnitZ();

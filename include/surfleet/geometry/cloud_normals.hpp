@@ -8,7 +8,6 @@
 ///     turn_consistently(cloud.points, 12, cloud.normals);       // over a minimum spanning tree
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -19,11 +18,13 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/core/disjoint_sets.hpp>
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/geometry/cloud_filters.hpp>
 #include <surfleet/geometry/graph.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
+#include <surfleet/geometry/point_moments.hpp>
 
 namespace surfleet {
 struct PlaneNormalOptions {
@@ -42,20 +43,12 @@ inline std::vector<Eigen::Vector3f> plane_normals(std::span<const Point3> points
   parallel_for(
       points.size(), options.threads,
       [&](std::size_t i) {
-        Eigen::Vector3d first = Eigen::Vector3d::Zero();
-        Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-        const auto found = tree.k_nearest(points[i], options.neighbors);
-        for (const Neighbor& n : found) {
-          const Eigen::Vector3d d = points[static_cast<std::size_t>(n.index)] - points[i];
-          first += d;
-          second += d * d.transpose();
-        }
-        const auto count = static_cast<double>(found.size());
-        first /= count;
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
-            Eigen::Matrix3d(second / count - first * first.transpose()));
-        if (found.size() >= 3 && solver.eigenvalues()[2] > 0.0)
-          normals[i] = solver.eigenvectors().col(0).cast<float>();
+        PointMoments moments;
+        for (const Neighbor& n : tree.k_nearest(points[i], options.neighbors))
+          moments.add(points[static_cast<std::size_t>(n.index)] - points[i]);
+        const PrincipalAxes axes(moments.covariance());
+        if (moments.weight >= 3.0 && axes.values[2] > 0.0)
+          normals[i] = axes.vectors.col(0).cast<float>();
       },
       64);
   return normals;
@@ -89,20 +82,10 @@ inline void turn_consistently(std::span<const Point3> points, std::size_t neighb
       links.emplace_back(1.0 - std::abs(cosine), std::min(a, j.index), std::max(a, j.index));
     }
   std::sort(links.begin(), links.end());
-  std::vector<std::int32_t> part(n);  // Kruskal's, with the parts' representatives
-  std::iota(part.begin(), part.end(), 0);
-  const auto representative = [&](std::int32_t v) {
-    const auto up = [&](std::int32_t u) -> std::int32_t& {
-      return part[static_cast<std::size_t>(u)];
-    };
-    while (up(v) != v) v = up(v) = up(up(v));
-    return v;
-  };
+  DisjointSets parts(n);  // Kruskal's
   std::vector<std::pair<std::int32_t, Arc>> kept;
   for (const auto& [weight, a, b] : links) {
-    const std::int32_t p = representative(a), q = representative(b);
-    if (p == q) continue;
-    part[static_cast<std::size_t>(std::max(p, q))] = std::min(p, q);
+    if (!parts.unite(a, b)) continue;
     kept.push_back({a, {b, weight}});
     kept.push_back({b, {a, weight}});
   }

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include <surfleet/core/disjoint_sets.hpp>
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/random.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
@@ -161,22 +161,13 @@ struct MeshComponents {
 };
 /// O(n α(n)).
 inline MeshComponents connected_components(const TriangleMesh& mesh) {
-  std::vector<std::int32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::int32_t v) {
-    while (parent[static_cast<std::size_t>(v)] != v) {
-      auto& p = parent[static_cast<std::size_t>(v)];
-      p = parent[static_cast<std::size_t>(p)];
-      v = p;
-    }
-    return v;
-  };
+  DisjointSets parts(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 1; k < 3; ++k) parent[static_cast<std::size_t>(root(t[k]))] = root(t[0]);
+    for (std::size_t k = 1; k < 3; ++k) parts.unite(t[0], t[k]);
   MeshComponents result;
   std::vector<std::int32_t> number(mesh.vertices.size(), -1);
   for (const Triangle& t : mesh.triangles) {
-    auto& n = number[static_cast<std::size_t>(root(t[0]))];
+    auto& n = number[static_cast<std::size_t>(parts.find(t[0]))];
     if (n < 0) n = static_cast<std::int32_t>(result.count++);
     result.of_triangle.push_back(n);
   }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/core/disjoint_sets.hpp>
 #include <surfleet/localization/image_thresholds.hpp>
 
 namespace surfleet {
@@ -30,11 +31,7 @@ struct PixelComponent {
 inline std::vector<PixelComponent> connected_components(const GreyImage& image,
                                                         const PixelWindow& window, int threshold) {
   std::vector<PixelRun> runs;
-  std::vector<std::size_t> parent;
-  const auto root = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets sets;
   std::size_t before = 0, before_end = 0;  // the runs of the row above
   for (int v = window.top; v < window.bottom; ++v) {
     const std::uint8_t* row = image.row(v);
@@ -52,24 +49,23 @@ inline std::vector<PixelComponent> connected_components(const GreyImage& image,
       if (u >= window.right) break;
       const int begin = u;
       while (u < window.right && row[u] > threshold) ++u;
-      parent.push_back(runs.size());
+      sets.add();
       runs.push_back({v, begin, u});
     }
     std::size_t above = before;
     for (std::size_t i = start; i < runs.size(); ++i) {
       while (above < before_end && runs[above].end < runs[i].begin) ++above;
-      for (std::size_t k = above; k < before_end && runs[k].begin <= runs[i].end; ++k) {
-        const std::size_t a = root(i), b = root(k);
-        parent[std::max(a, b)] = std::min(a, b);
-      }
+      for (std::size_t k = above; k < before_end && runs[k].begin <= runs[i].end; ++k)
+        sets.unite(static_cast<std::int32_t>(i), static_cast<std::int32_t>(k));
     }
     before = start;
     before_end = runs.size();
   }
   std::vector<PixelComponent> components;
   std::vector<std::size_t> index(runs.size());
+  const std::vector<std::int32_t>& first = sets.flattened();
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const std::size_t r = root(i);
+    const auto r = static_cast<std::size_t>(first[i]);
     const PixelRun& run = runs[i];
     if (r == i) {
       index[i] = components.size();

@@ -8,11 +8,11 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include <surfleet/core/disjoint_sets.hpp>
 #include <surfleet/motion/free_space.hpp>
 
 namespace surfleet {
@@ -51,14 +51,12 @@ class ReachableSet {
       p.first = next;
       next += p.count();
     }
-    root_.resize(static_cast<std::size_t>(next));
-    std::iota(root_.begin(), root_.end(), 0);
+    DisjointSets sets(static_cast<std::size_t>(next));
     for (const Part& p : parts_)
       for (const Face& face : p.faces)
         for (const auto& [mine, theirs] : face.links)
-          unite(p.first + mine, parts_[face.slot].first + theirs);
-    // A parent is never above its child, so in ascending order one hop reaches the root.
-    for (auto& r : root_) r = root_[static_cast<std::size_t>(r)];
+          sets.unite(p.first + mine, parts_[face.slot].first + theirs);
+    root_ = sets.flattened();
     sizes_.assign(root_.size(), 0);
     for (const Part& p : parts_)
       for (std::int32_t local = 0; local < p.count(); ++local)
@@ -238,20 +236,6 @@ class ReachableSet {
     }
     std::sort(face.links.begin(), face.links.end());
     face.links.erase(std::unique(face.links.begin(), face.links.end()), face.links.end());
-  }
-
-  std::int32_t find(std::int32_t i) {
-    while (root_[static_cast<std::size_t>(i)] != i) {
-      auto& parent = root_[static_cast<std::size_t>(i)];
-      parent = root_[static_cast<std::size_t>(parent)];
-      i = parent;
-    }
-    return i;
-  }
-  void unite(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) root_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
   }
 
   const FreeSpace* space_;

@@ -3,7 +3,6 @@
 /// @brief Points moved onto the sheet that runs through their neighbours, with its normal.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -13,6 +12,7 @@
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
+#include <surfleet/geometry/point_moments.hpp>
 #include <surfleet/surface/tensor_voting.hpp>
 
 namespace surfleet {
@@ -40,33 +40,27 @@ struct SheetTokens {
       parallel_for(
           at.size(), threads,
           [&](std::size_t i) {
-            double weight = 0.0;
             std::size_t count = 0;
-            Eigen::Vector3d first = Eigen::Vector3d::Zero();
-            Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+            PointMoments moments;
             tree.for_each_within(at[i], radius, [&](const Neighbor& n) {
               const Eigen::Vector3d d = at[static_cast<std::size_t>(n.index)] - at[i];
               const double inside = 1.0 - n.distance2 / (radius * radius);
               const double w = inside * inside;
-              weight += w;
-              first += w * d;
-              second += w * d * d.transpose();
+              moments.add(d, w);
               ++count;
             });
             tokens[i] = Token{};
             tokens[i].position = at[i];
-            if (count < 4 || !(weight > 0.0)) return;
-            const Eigen::Vector3d mean = first / weight;
-            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
-                Eigen::Matrix3d(second / weight - mean * mean.transpose()));
-            const Eigen::Vector3d l = solver.eigenvalues();
+            if (count < 4 || !(moments.weight > 0.0)) return;
+            const PrincipalAxes axes(moments.covariance());
+            const Eigen::Vector3d& l = axes.values;
             if (!(l[2] > 0.0)) return;
             tokens[i].stick = (l[1] - l[0]) / l[2];
             tokens[i].plate = (l[2] - l[1]) / l[2];
             tokens[i].ball = std::max(0.0, l[0]) / l[2];
-            tokens[i].normal = solver.eigenvectors().col(0);
-            tokens[i].tangent = solver.eigenvectors().col(2);
-            tokens[i].position = at[i] + tokens[i].normal.dot(mean) * tokens[i].normal;
+            tokens[i].normal = axes.vectors.col(0);
+            tokens[i].tangent = axes.vectors.col(2);
+            tokens[i].position = at[i] + tokens[i].normal.dot(moments.mean()) * tokens[i].normal;
           },
           64);
       for (std::size_t i = 0; i < at.size(); ++i) at[i] = tokens[i].position;
