@@ -1,17 +1,7 @@
 #!/usr/bin/env bash
 # Paths over raw point clouds: what they leave, twice the same, and what is refused.
 set -eu
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-value() { grep "\"$2\":" "$1/metrics.json" | head -n 1 | sed 's/.*: //; s/,.*//'; }
-refused() {
-  local status=0
-  "$bin/surface_navigation" "$@" --out refused >said.txt 2>&1 || status=$?
-  [ $status = 2 ] && [ "$(wc -l <said.txt)" = 1 ] && [ ! -e refused ] ||
-    { echo "not refused: $*"; cat said.txt; exit 1; }
-}
+. "$(dirname "$0")/support.sh"
 for run in one two; do
   "$bin/surface_navigation" --scene tube --method dense --voxel 0.05 --out $run >/dev/null 2>&1
   for file in metrics.json tokens.ply edges.ply path.tum report.html; do
@@ -29,11 +19,11 @@ awk -v r="$(value one geodesic_ratio)" -v o="$(value one orientation_error_deg)"
   [ $? = 3 ]
 [ -s cloud/metrics.json ]
 
-refused --scene tube --method magic
-refused --scene tube --method dense --voxel -1
-refused --scene tube --method dense --robot epuck
-refused --scene nowhere.ply --method dense
+refused surface_navigation --scene tube --method magic --out out
+refused surface_navigation --scene tube --method dense --voxel -1 --out out
+refused surface_navigation --scene tube --method dense --robot epuck --out out
+refused surface_navigation --scene nowhere.ply --method dense --out out
 printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' >one.ply
-refused --scene one.ply --method dense
+refused surface_navigation --scene one.ply --method dense --out out
 printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\nnan 0 0\n1 0 0\n' >nan.ply
-refused --scene nan.ply --method dense
+refused surface_navigation --scene nan.ply --method dense --out out

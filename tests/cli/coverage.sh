@@ -1,11 +1,7 @@
 #!/usr/bin/env bash
 # The coverage binaries and the tour solver do their default job and say so.
 set -eu
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-value() { grep "\"$2\":" "$1/metrics.json" | sed 's/.*: //; s/,.*//'; }
+. "$(dirname "$0")/support.sh"
 
 "$bin/planar_coverage" --out plane >plane.txt 2>plane.err
 [ -s plane/metrics.json ] && [ -s plane/report.html ] && [ -s plane/picture.svg ]

@@ -2,12 +2,7 @@
 # Recorded images and scans: what a mission saves gives its map again, what cannot be used is counted
 # or refused, and what comes out is whole.
 set -eu
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-fail() { echo "$1"; exit 1; }
-value() { grep "\"$2\":" "$1/metrics.json" | sed 's/.*: //; s/,.*//'; }
+. "$(dirname "$0")/support.sh"
 
 # Half a minute of two drones; their images give the same surface as their mission did.
 status=0
@@ -82,14 +77,6 @@ for count in 'bad_pose 2' 'no_pose 1' 'bad_image 3' 'no_image 1' 'other_size 1';
   grep -q "$count" skipped.txt || fail "no $count in: $(cat skipped.txt)"
 done
 
-refused() {
-  local program=$1
-  shift
-  local status=0
-  "$bin/$program" "$@" >stdout.txt 2>stderr.txt </dev/null || status=$?
-  [ "$status" = 2 ] && [ "$(wc -l <stderr.txt)" = 1 ] && [ ! -s stdout.txt ] && [ ! -e out ] ||
-    fail "not refused properly: $program $* ($status): $(cat stdout.txt stderr.txt)"
-}
 refused fuse_depth bad --strict --quiet --config shots/fuse_depth.toml --out out
 # A file that is cut short is found out half way, and even then nothing is written.
 mkdir cut && cp bad/camera-intrinsics.txt cut

@@ -1,10 +1,7 @@
 #!/usr/bin/env bash
 # A small mission leaves everything it promises, the same on one thread and on two.
 set -eu
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+. "$(dirname "$0")/support.sh"
 for threads in 1 2; do
   "$bin/drone_inspection" --scene house --robots 2 --seed 3 --threads $threads --out out$threads \
     --quiet >stdout$threads.txt
@@ -19,8 +16,7 @@ diff <(strip out1/metrics.json) <(strip out2/metrics.json)
 cmp out1/reconstruction.ply out2/reconstruction.ply
 cmp out1/map.sfm out2/map.sfm
 
-value() { grep "\"$1\":" out1/metrics.json | sed 's/.*: //; s/,.*//'; }
-awk -v c="$(value surface_coverage)" -v h="$(value collisions)" -v k="$(value min_clearance_m)" \
+awk -v c="$(value out1 surface_coverage)" -v h="$(value out1 collisions)" -v k="$(value out1 min_clearance_m)" \
   'BEGIN { if (c < 0.93 || h != 0 || k <= 0) { print "coverage", c, "collisions", h, "clearance", k; exit 1 } }'
 "$bin/evaluate_reconstruction" out1/reconstruction.ply out2/reconstruction.ply --emax 0.05 \
   --out judged >judged.txt

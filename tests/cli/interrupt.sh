@@ -1,10 +1,7 @@
 #!/usr/bin/env bash
 # Ctrl-C leaves what was reconstructed so far, readable, and exit status 3.
 set -eu
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+. "$(dirname "$0")/support.sh"
 "$bin/drone_inspection" --scene powerplant --robots 2 --out out 2>progress.txt >stdout.txt &
 pid=$!
 for _ in $(seq 600); do

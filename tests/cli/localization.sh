@@ -1,17 +1,7 @@
 #!/usr/bin/env bash
 # Relative localisation: what it leaves of simulated and recorded images, and what it refuses.
 set -eu
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-value() { grep "\"$2\":" "$1/metrics.json" | head -n 1 | sed 's/.*: //; s/,.*//'; }
-refused() {
-  local status=0
-  "$bin/relative_localization" "$@" --out refused >said.txt 2>&1 || status=$?
-  [ $status = 2 ] && [ "$(wc -l <said.txt)" = 1 ] && [ ! -e refused ] ||
-    { echo "not refused: $*"; cat said.txt; exit 1; }
-}
+. "$(dirname "$0")/support.sh"
 
 "$bin/relative_localization" --frames 60 --out one >/dev/null 2>&1
 "$bin/relative_localization" --frames 60 --out two >/dev/null 2>&1
@@ -34,21 +24,21 @@ printf 'radius 0.01\n0 0 0\n0.2 0 0\n0 0.1 0\n0.05 0.06 0.15\n' >target.txt
 "$bin/relative_localization" --images images --camera camera.toml --target target.txt --out none >/dev/null 2>&1
 [ "$(value none frames)" = 2 ] && [ "$(value none bad_frames)" = 1 ]
 
-refused --images images
-refused --images nowhere --camera camera.toml
-refused --images images --camera none.toml
+refused relative_localization --images images --out out
+refused relative_localization --images nowhere --camera camera.toml --out out
+refused relative_localization --images images --camera none.toml --out out
 printf 'width = 80\nheight = 60\n' >bare.toml
-refused --images images --camera bare.toml
+refused relative_localization --images images --camera bare.toml --out out
 printf 'width = 90\nheight = 60\nfov = 90\n' >wide.toml
-refused --images images --camera wide.toml
+refused relative_localization --images images --camera wide.toml --out out
 printf '0 0 0\n1 0 0\n2 0 0\n3 0 0\n' >line.txt
-refused --target line.txt
+refused relative_localization --target line.txt --out out
 printf '0 0 0\n1 0 0\n0 1 0\n' >three.txt
-refused --target three.txt
-refused --markers blue
-refused --distance 2 1
-refused --design --bounds 0.3 0.1 0.1
-refused --design --markers many
+refused relative_localization --target three.txt --out out
+refused relative_localization --markers blue --out out
+refused relative_localization --distance 2 1 --out out
+refused relative_localization --design --bounds 0.3 0.1 0.1 --out out
+refused relative_localization --design --markers many --out out
 
 "$bin/relative_localization" --design --starts 20 --out design >/dev/null
 awk -v s="$(value design similarity)" 'BEGIN { exit !(s > 0.029) }'

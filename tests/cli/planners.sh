@@ -2,10 +2,7 @@
 # Every planner that has a name flies, says why it leaves what it leaves, and flies the same on one
 # thread and on two.
 set -eu
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+. "$(dirname "$0")/support.sh"
 strip() { grep -vE '"(wall_time_s|planning_time_s|(mission_)?peak_memory_bytes)"' "$1"; }
 for planner in surfleet tsga nnb nnb-exclusive tsga-async tsga-improved makespan rate tours; do
   for threads in 1 2; do

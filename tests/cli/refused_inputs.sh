@@ -1,27 +1,7 @@
 #!/usr/bin/env bash
 # Bad input gets one clear line and exit status 2, and nothing is written.
-set -u
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
-failed=0
-
-# refused PROGRAM ARGUMENTS...: fails unless the program refuses as it should.
-refused() {
-  local program=$1
-  shift
-  "$bin/$program" "$@" >stdout.txt 2>stderr.txt </dev/null
-  local status=$? lines
-  lines=$(wc -l <stderr.txt)
-  if [ "$status" != 2 ] || [ "$lines" != 1 ] || [ -s stdout.txt ] || [ -e out ]; then
-    echo "not refused properly: $program $*"
-    echo "  status $status, $lines lines on stderr, $(wc -c <stdout.txt) bytes on stdout"
-    head -n 3 stderr.txt
-    [ -e out ] && echo "  wrote out/" && rm -rf out
-    failed=1
-  fi
-}
+set -eu
+. "$(dirname "$0")/support.sh"
 
 printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n' >truncated.ply
 printf 'OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n' >faceless.off
@@ -68,7 +48,7 @@ refused drone_inspection --scene house --continue nowhere --out out
 refused drone_inspection --scene house --architecture single --robots 2 --out out
 refused drone_inspection --scene house --start-clearance 0.5 --out out
 refused drone_inspection --scene house --start-clearance 4.5 --out out
-grep -q 'has 4.03 m around it; expected at most 4.03 ' stderr.txt || failed=1
+grep -q 'has 4.03 m around it; expected at most 4.03 ' stderr.txt || fail "$(cat stderr.txt)"
 refused drone_inspection --scene house --start 0 -4.5 2 --out out
 refused drone_inspection --scene house --floor low --out out
 refused drone_inspection --scene house --floor 1.5 --out out
@@ -122,12 +102,10 @@ done
 # What is refused leaves a folder that is there as it was.
 mkdir kept
 echo before >kept/metrics.json
-"$bin/drone_inspection" --scene missing.ply --out kept 2>/dev/null
-"$bin/drone_inspection" --scene house --robots 0 --out kept 2>/dev/null
-if [ "$(ls -A kept)" != metrics.json ] || [ "$(cat kept/metrics.json)" != before ]; then
-  echo "a refusal changed a folder: $(ls -A kept)"
-  failed=1
-fi
+refused drone_inspection --scene missing.ply --out kept
+refused drone_inspection --scene house --robots 0 --out kept
+[ "$(ls -A kept)" = metrics.json ] && [ "$(cat kept/metrics.json)" = before ] ||
+  fail "a refusal changed a folder: $(ls -A kept)"
 
 printf 'NAME: x\nTYPE: TSP\nDIMENSION: 1000000000\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: FULL_MATRIX\nEDGE_WEIGHT_SECTION\n1\nEOF\n' >huge.tsp
 printf 'TYPE: TSP\nDIMENSION: 3\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n1 0 0\n2 x 0\n3 0 1\nEOF\n' >letters.tsp
@@ -147,4 +125,3 @@ refused surface_navigation --slope 1 --out out
 refused surface_navigation --blocked nowhere.txt --out out
 refused surface_navigation --cover --robot magnebike --out out
 refused surface_coverage --scene sphere --robots 100000000 --out out
-exit $failed

@@ -1,10 +1,7 @@
 #!/usr/bin/env bash
 # Trials over many scenes leave one file a mission, and go on where they ended.
 set -eu
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+. "$(dirname "$0")/support.sh"
 trials() {
   "$bin/drone_inspection_trials" --scenes "$scenes" --planners surfleet --fleets 2 --trials 1 \
     --max-time 4 --threads 1 --out trials "$@" >table.txt 2>err.txt

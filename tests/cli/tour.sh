@@ -1,11 +1,7 @@
 #!/usr/bin/env bash
 # The tour of a structure that is known: what it leaves, that it is what it says, and how it ends.
 set -eu
-bin=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-value() { grep "\"$2\":" "$1/metrics.json" | sed 's/.*: //; s/,.*//'; }
+. "$(dirname "$0")/support.sh"
 
 # A block of 4 x 4 x 3 m, 2 m above the ground of its coordinates.
 printf 'v -2 -2 2\nv 2 -2 2\nv 2 2 2\nv -2 2 2\nv -2 -2 5\nv 2 -2 5\nv 2 2 5\nv -2 2 5\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n' >block.obj
