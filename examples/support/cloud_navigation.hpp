@@ -7,9 +7,11 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <surfleet/adapters/png_writer.hpp>
@@ -46,31 +48,52 @@ struct CloudNavigation {
 };
 
 namespace cloud_navigation {
+/// The surface that a cloud was taken from, with what answers questions about it.
+struct Truth {
+  TriangleMesh mesh;
+  Bvh bvh{mesh};
+  SurfaceWalk walk{mesh};
+  GeodesicStrips strips{walk};
+
+  explicit Truth(TriangleMesh surface) : mesh(std::move(surface)) {}
+  Truth(const Truth&) = delete;
+
+  /// Length of a shortest path; nothing if none is found.
+  std::optional<double> distance(const Point3& a, const Point3& b) const {
+    const auto from = nearest_surface_point(mesh, bvh, a), to = nearest_surface_point(mesh, bvh, b);
+    if (!from || !to) return std::nullopt;
+    const auto strip = strips.triangles(*from, *to);
+    if (!strip) return std::nullopt;
+    return strips.taut().shortened(*strip, *from, *to, [](std::int32_t) { return true; }).length();
+  }
+};
+
 /// A cloud, and the surface that it was taken from where that is known.
 struct Input {
   PointCloud cloud;
-  std::optional<TriangleMesh> truth;
+  std::unique_ptr<Truth> truth;
 };
 
 inline Input input(const CloudNavigation& s) {
   Input in;
   const std::filesystem::path file = s.scene;
+  const auto take = [&](const TriangleMesh& mesh) {
+    in.truth = std::make_unique<Truth>(clean_surface(mesh));
+  };
   if (file.has_extension()) {
     try {
-      in.truth = read_mesh(file);
+      take(read_mesh(file));
     } catch (const Error&) {  // no mesh: then what it says as a cloud
       in.cloud = read_point_cloud(file);
     }
   } else {
-    in.truth = surface_scene(s.scene, s.edge);
+    take(surface_scene(s.scene, s.edge));
   }
   if (!in.truth) return in;
-  *in.truth = clean_surface(*in.truth);
   if (s.scan_from.empty()) {
-    in.cloud = sample_surface(*in.truth, {.density = s.density, .seed = s.seed}).cloud;
+    in.cloud = sample_surface(in.truth->mesh, {.density = s.density, .seed = s.seed}).cloud;
     add_noise(in.cloud.points, s.cloud_noise, s.seed);
   } else {
-    const Bvh bvh(*in.truth);
     for (std::size_t k = 0; k + 2 < s.scan_from.size(); k += 3) {
       Pose T = Pose::Identity();
       T.translation() = Point3(s.scan_from[k], s.scan_from[k + 1], s.scan_from[k + 2]);
@@ -78,7 +101,7 @@ inline Input input(const CloudNavigation& s) {
       lidar.noise = s.cloud_noise;
       lidar.seed = s.seed + k;
       lidar.threads = s.threads;
-      const PointCloud scan = lidar.scan(bvh, T);
+      const PointCloud scan = lidar.scan(in.truth->bvh, T);
       in.cloud.points.insert(in.cloud.points.end(), scan.points.begin(), scan.points.end());
     }
   }
@@ -106,15 +129,13 @@ inline std::vector<Point3> true_edges(const TriangleMesh& mesh) {
 }
 
 /// How well tokens agree with the true surface; null where there is nothing to compare.
-inline nlohmann::json token_quality(const CloudTokens& cloud, const TriangleMesh& mesh,
-                                    double scale) {
-  const Bvh bvh(mesh);
-  const KdTree edges(true_edges(mesh));
+inline nlohmann::json token_quality(const CloudTokens& cloud, const Truth& surface, double scale) {
+  const KdTree edges(true_edges(surface.mesh));
   std::vector<double> error;
   double hits = 0.0, false_alarms = 0.0, missed = 0.0;
   for (std::size_t i = 0; i < cloud.tokens.size(); ++i) {
     const Token& t = cloud.tokens[i];
-    const auto near = bvh.closest_point(t.position, 10.0 * scale);
+    const auto near = surface.bvh.closest_point(t.position, 10.0 * scale);
     if (!near) continue;
     const auto fold = edges.nearest(t.position);
     const bool truth = fold && fold->distance() < 0.5 * scale, edge = cloud.edge[i] != 0;
@@ -122,7 +143,7 @@ inline nlohmann::json token_quality(const CloudTokens& cloud, const TriangleMesh
     false_alarms += !truth && edge ? 1.0 : 0.0;
     missed += truth && !edge ? 1.0 : 0.0;
     if (fold && fold->distance() < 3.0 * scale) continue;
-    const Eigen::Vector3d n = mesh.area_vector(static_cast<std::size_t>(near->triangle));
+    const Eigen::Vector3d n = surface.mesh.area_vector(static_cast<std::size_t>(near->triangle));
     error.push_back(degrees(std::atan2(n.cross(t.normal).norm(), std::abs(n.dot(t.normal)))));
   }
   nlohmann::json q;
@@ -252,25 +273,13 @@ inline int navigate_cloud(const CloudNavigation& s) {
     cell_length += path->length;
     crossings += smooth.crossings.size();
     worst_attack = std::max(worst_attack, smooth.worst_attack());
-    if (in.truth) {
-      const SurfaceWalk walk(*in.truth);
-      const GeodesicStrips strips(walk);
-      const Bvh bvh(*in.truth);
-      const auto from = nearest_surface_point(*in.truth, bvh, smooth.points.front().position),
-                 to = nearest_surface_point(*in.truth, bvh, smooth.points.back().position);
-      if (from && to) {
-        const auto strip = strips.triangles(*from, *to);
-        if (strip) {
-          const double shortest =
-              strips.taut()
-                  .shortened(*strip, *from, *to, [](std::int32_t) { return true; })
-                  .length();
-          exact += shortest;
-          leg["geodesic_ratio"] =
-              shortest > 0.0 ? nlohmann::json(smooth.length() / shortest) : none;
-        }
+    if (in.truth)
+      if (const auto shortest =
+              in.truth->distance(smooth.points.front().position, smooth.points.back().position)) {
+        exact += *shortest;
+        leg["geodesic_ratio"] =
+            *shortest > 0.0 ? nlohmann::json(smooth.length() / *shortest) : none;
       }
-    }
     legs.push_back(leg);
     std::vector<Point3> points;
     for (std::size_t i = 0; i < smooth.points.size(); ++i) {
@@ -337,7 +346,7 @@ inline int navigate_cloud(const CloudNavigation& s) {
   for (const EdgePoint& e : tokens.edge_points) edges.points.push_back(e.position);
   write_ply(colored, out / "tokens.ply");
   write_ply(edges, out / "edges.ply");
-  if (in.truth) write_ply(*in.truth, out / "surface.ply");
+  if (in.truth) write_ply(in.truth->mesh, out / "surface.ply");
   write_tum(out / "path.tum", record);
 
   line("drawing");

@@ -163,14 +163,17 @@ class TeamRelay {
       if (id != about && hears(other, now) && !other.hears.contains(about)) return true;
     return false;
   }
-  /// Whether news of that kind are of a robot that can be, and newer than what is known.
+  /// The mate that news are of, if it can be and they are newer than what is known of that kind.
   template <typename News>
-  bool is_new(const NewsHead& head, const std::optional<News>& known) {
+  Mate* mate_of_news(const NewsHead& head, RobotId sender, std::optional<News> Mate::*known) {
     if (head.robot >= options_.robots || head.hops > options_.hops) {
       ++counts_.beyond;
-      return false;
+      return nullptr;
     }
-    return head.robot != self_ && (!known || head.newer_than(known->head));
+    // Nobody speaks for himself through others, nor for others as himself.
+    if (head.robot == self_ || (head.hops == 0) != (head.robot == sender)) return nullptr;
+    Mate& mate = mates_[head.robot];
+    return mate.*known && !head.newer_than((mate.*known)->head) ? nullptr : &mate;
   }
   void hear_states(const Envelope& message, double now) {
     StateMessage said = decode_states(message.body);
@@ -178,14 +181,9 @@ class TeamRelay {
     sender.direct = now;
     sender.hears = std::move(said.hears);
     for (StateNews& n : said.news) {
-      if (n.head.robot >= options_.robots) {
-        ++counts_.beyond;
-        continue;
-      }
-      // Nobody speaks for himself through others, nor for others as himself.
-      if ((n.head.hops == 0) != (n.head.robot == message.sender)) continue;
-      Mate& mate = mates_[n.head.robot];
-      if (!is_new(n.head, mate.state)) continue;
+      Mate* const known = mate_of_news(n.head, message.sender, &Mate::state);
+      if (!known) continue;
+      Mate& mate = *known;
       if (mate.state && mate.state->head.incarnation == n.head.incarnation) {
         const double between = std::max(0.0, *age_of(mate, now) - n.head.age);
         const double way = (n.state.at.position - mate.state->state.at.position).norm();
@@ -201,16 +199,11 @@ class TeamRelay {
   }
   void hear_routes(const Envelope& message, double now) {
     for (RouteNews& n : decode_routes(message.body)) {
-      if (n.head.robot >= options_.robots) {
-        ++counts_.beyond;
-        continue;
-      }
-      if ((n.head.hops == 0) != (n.head.robot == message.sender)) continue;
-      Mate& mate = mates_[n.head.robot];
-      if (!is_new(n.head, mate.route)) continue;
-      mate.route = std::move(n);
-      mate.route_heard = now;
-      mate.route_fresh = true;
+      Mate* const mate = mate_of_news(n.head, message.sender, &Mate::route);
+      if (!mate) continue;
+      mate->route = std::move(n);
+      mate->route_heard = now;
+      mate->route_fresh = true;
     }
   }
 
