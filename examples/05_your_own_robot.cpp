@@ -22,7 +22,7 @@ struct MyRobot {
 
   DepthImage sense() { return image; }
   const Configuration& estimate() const { return here; }
-  std::vector<Neighbour> neighbours() const { return {}; }
+  std::vector<SeenRobot> neighbours() const { return {}; }
   void follow(std::span<const Point3> way, double heading, std::optional<double> /*watch*/) {
     path.assign(way.begin() + (way.size() > 1 ? 1 : 0), way.end());
     yaw = heading;

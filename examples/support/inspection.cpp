@@ -143,7 +143,7 @@ NeighbourSense neighbour_sense(const InspectionSettings& s, const InspectionSite
   if (s.neighbours == "exact") return {};
   if (s.neighbours == "none")
     return [](std::size_t, std::uint64_t, std::span<const Configuration>) {
-      return std::vector<Neighbour>{};
+      return std::vector<SeenRobot>{};
     };
   MarkerSightOptions o;
   o.target = printed_target(4.0 * s.radius);  // about as large as the body

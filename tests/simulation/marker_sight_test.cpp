@@ -25,14 +25,14 @@ TEST(robots_are_where_their_lights_are_seen_within_the_error_told) {
       fleet[k].yaw += 0.1 * random.normal();
     }
     for (std::size_t r = 0; r < 3; ++r) {
-      const std::vector<Neighbour> found = sight(r, shot, fleet);
+      const std::vector<SeenRobot> found = sight(r, shot, fleet);
       for (std::size_t k = 0; k < 3; ++k) {
         if (k == r || (fleet[k].position - fleet[r].position).norm() > 6.0) continue;
         ++shots;
         // Both cameras may see it; the better one counts.
         double least = 1e9;
         bool told = false;
-        for (const Neighbour& n : found) {
+        for (const SeenRobot& n : found) {
           const double off = (n.position - fleet[k].position).norm();
           least = std::min(least, off);
           told = told || off <= n.error;
@@ -99,7 +99,7 @@ double least_separation(const NeighbourSense& sense, int threads) {
 TEST(robots_that_tell_nothing_keep_apart_by_sight_alone) {
   const box_world::World world;
   const auto blind = [](std::size_t, std::uint64_t, std::span<const Configuration>) {
-    return std::vector<Neighbour>{};
+    return std::vector<SeenRobot>{};
   };
   const double by_sight = least_separation(MarkerSight(world.bvh, 2), 1);
   CHECK(by_sight > 0.8);

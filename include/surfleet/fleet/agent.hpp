@@ -63,7 +63,7 @@ class Agent {
   void sense() {
     image_ = body_->sense();
     seen_ = body_->neighbours();
-    for (const Neighbour& mate : seen_)
+    for (const SeenRobot& mate : seen_)
       mask_teammates(image_, kind().camera, camera_pose(),
                      std::span<const Point3>(&mate.position, 1),
                      kind().body_radius + belief_->voxel_size() + mate.error);
@@ -439,7 +439,7 @@ class Agent {
   double held_until_ = 0.0;       // if still held then, the route is given up [s]
   Point3 aside_ = Point3::Zero();
   std::map<int, TrafficAgent> heard_;  // the last of every teammate
-  std::vector<Neighbour> seen_;        // with the last image
+  std::vector<SeenRobot> seen_;        // with the last image
   std::vector<VoxelIndex> given_up_;   // not in the belief yet, which others read
   std::size_t departures_ = 0, emergency_stops_ = 0, waits_ = 0;
 };

@@ -13,7 +13,7 @@
 
 namespace surfleet {
 /// A teammate as a robot sees it.
-struct Neighbour {
+struct SeenRobot {
   Point3 position = Point3::Zero();  ///< Of its body's centre, in the world [m].
   double error = 0.0;                ///< The centre is no farther off than this [m].
 };
@@ -36,7 +36,7 @@ concept RobotBody = requires(B& body, const B& now, std::span<const Point3> path
                              std::optional<double> watch) {
   { body.sense() } -> std::same_as<DepthImage>;
   { now.estimate() } -> std::convertible_to<Configuration>;
-  { now.neighbours() } -> std::convertible_to<std::vector<Neighbour>>;
+  { now.neighbours() } -> std::convertible_to<std::vector<SeenRobot>>;
   body.follow(path, x, watch);
   body.watch(x);
   { now.way_onto(path) } -> std::convertible_to<std::vector<Point3>>;

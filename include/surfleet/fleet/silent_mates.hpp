@@ -15,13 +15,13 @@ namespace surfleet {
 /// Adds those of `seen` that none of `told` is at. Nobody knows where they go: they are as large as
 /// all that a robot like `self` reaches before it sees a reason to brake and stands. They come last
 /// by right of way. O(seen · told).
-inline void add_silent_mates(std::span<const Neighbour> seen,
+inline void add_silent_mates(std::span<const SeenRobot> seen,
                              const std::map<int, TrafficAgent>& told, const TrafficAgent& self,
                              const TrafficOptions& options, std::vector<TrafficAgent>& traffic) {
   constexpr int kFirstId = 1 << 20;
   const double reach =
       self.speed * options.period + 0.5 * self.speed * self.speed / options.braking;
-  for (const Neighbour& mate : seen) {
+  for (const SeenRobot& mate : seen) {
     if (std::any_of(told.begin(), told.end(), [&](const auto& t) {
           return (t.second.position - mate.position).norm() <= t.second.radius + mate.error;
         }))

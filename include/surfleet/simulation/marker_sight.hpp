@@ -35,7 +35,7 @@ struct MarkerSightOptions {
   EquidistantCamera camera = EquidistantCamera::from_fov(radians(190.0), 752, 752);
   double pixel_noise = 0.3;    ///< Of a marker's centre, along each axis [px].
   double max_distance = 10.0;  ///< Up to which lights are seen [m].
-  double deviations = 3.0;     ///< `Neighbour::error` in standard deviations.
+  double deviations = 3.0;     ///< `SeenRobot::error` in standard deviations.
   double period = 0.25;        ///< Between images [s].
   std::uint64_t seed = 1;
 
@@ -67,11 +67,11 @@ class MarkerSight {
   }
 
   /// O(robots · markers) rays, and as `TargetTracker`.
-  std::vector<Neighbour> operator()(std::size_t robot, std::uint64_t shot,
+  std::vector<SeenRobot> operator()(std::size_t robot, std::uint64_t shot,
                                     std::span<const Configuration> fleet) {
     require(robot < eyes_.size() && fleet.size() <= eyes_.size(),
             "sight by markers: more robots than it was made for");
-    std::vector<Neighbour> seen;
+    std::vector<SeenRobot> seen;
     for (std::size_t c = 0; c < options_.T_body_camera.size(); ++c) {
       const Pose T_world_camera = fleet[robot].pose() * options_.T_body_camera[c];
       Random random = Random(options_.seed).fork(robot).fork(shot).fork(c);
@@ -109,7 +109,7 @@ class MarkerSight {
   }
   /// What is known already takes its lights first; what is left may be somebody new.
   void track(std::vector<Tracker>& known, std::vector<Observation> left, double time,
-             const Pose& T_world_camera, std::vector<Neighbour>& seen) const {
+             const Pose& T_world_camera, std::vector<SeenRobot>& seen) const {
     const auto take = [&](const TrackedFrame& frame) {
       for (const TargetFit& fit : frame.fits) seen.push_back(neighbour(fit, T_world_camera));
       if (frame.fits.empty()) return;
@@ -134,7 +134,7 @@ class MarkerSight {
       known.push_back(std::move(fresh));
     }
   }
-  Neighbour neighbour(const TargetFit& fit, const Pose& T_world_camera) const {
+  SeenRobot neighbour(const TargetFit& fit, const Pose& T_world_camera) const {
     const UncertainPose body =
         fit.target_in_camera() * UncertainPose{options_.T_body_target.inverse()};
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(

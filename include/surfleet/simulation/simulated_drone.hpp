@@ -34,7 +34,7 @@ class SimulatedDrone {
     return world_->capture(robot_, shot_++, *fleet_);
   }
   const Configuration& estimate() const { return (*fleet_)[robot_]; }
-  const std::vector<Neighbour>& neighbours() const { return neighbours_; }
+  const std::vector<SeenRobot>& neighbours() const { return neighbours_; }
   void follow(std::span<const Point3> path, double yaw, std::optional<double> watch) {
     AerialMotion::YawLaw look;
     if (watch) {
@@ -61,8 +61,8 @@ class SimulatedDrone {
   SimulatedDrone& operator=(const SimulatedDrone&) = delete;
 
  private:
-  std::vector<Neighbour> mates() const {
-    std::vector<Neighbour> all;
+  std::vector<SeenRobot> mates() const {
+    std::vector<SeenRobot> all;
     for (std::size_t k = 0; k < fleet_->size(); ++k)
       if (k != robot_) all.push_back({(*fleet_)[k].position});
     return all;
@@ -73,7 +73,7 @@ class SimulatedDrone {
   std::vector<Configuration>* fleet_;
   AerialMotion motion_;
   const NeighbourSense* sense_neighbours_;
-  std::vector<Neighbour> neighbours_;
+  std::vector<SeenRobot> neighbours_;
   double watch_yaw_ = 0.0;
   std::uint64_t shot_ = 0;
 };

@@ -29,6 +29,6 @@ concept WorldModel = requires(W& world, std::size_t robot, std::uint64_t shot,
 /// What a robot sees of its teammates: `sense(robot, shot, fleet)` with its image of that number,
 /// where all robots are in truth. Asked for different robots at once, for each in the order of its
 /// images. Models: `MarkerSight`.
-using NeighbourSense = std::function<std::vector<Neighbour>(std::size_t robot, std::uint64_t shot,
+using NeighbourSense = std::function<std::vector<SeenRobot>(std::size_t robot, std::uint64_t shot,
                                                             std::span<const Configuration> fleet)>;
 }  // namespace surfleet
