@@ -7,12 +7,15 @@
 
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/fleet/central_planning.hpp>
+#include <surfleet/fleet/distributed_agent.hpp>
+#include <surfleet/fleet/endurance.hpp>
 #include <surfleet/fleet/impaired.hpp>
 #include <surfleet/fleet/message_guard.hpp>
 #include <surfleet/fleet/network_conditions.hpp>
 #include <surfleet/fleet/packet.hpp>
 #include <surfleet/fleet/patch_ids.hpp>
 #include <surfleet/fleet/patch_sync.hpp>
+#include <surfleet/fleet/redundancy.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/robot_news.hpp>
 #include <surfleet/fleet/single_agent.hpp>

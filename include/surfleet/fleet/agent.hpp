@@ -70,15 +70,20 @@ class Agent {
   }
   /// Puts the last image into the belief, which is not updated yet.
   void integrate() { belief_->integrate(image_, kind().camera, camera_pose()); }
+  const DepthImage& image() const { return image_; }  ///< The last that was taken.
+  Pose camera_pose() const { return body_->estimate().pose() * kind().T_body_camera; }
 
   // -- what there is to say ----------------------------------------------------------------------
-  RobotState state() const {
+  RobotState state(double time) const {
     return {.id = id_,
             .kind = kind_,
             .at = body_->estimate(),
             .ahead = body_->remaining(),
             .route = route_,
-            .idle = route_.empty()};
+            .idle = route_.empty(),
+            .held = held_ && body_->standing(),
+            .cornered = traffic_.cornered(time),
+            .first = retired_.has_value()};
   }
   /// Of its motion, for the others.
   TrafficAgent announce(double time) const {
@@ -152,6 +157,13 @@ class Agent {
   }
 
   // -- planning ----------------------------------------------------------------------------------
+  /// Leaves what it was about to do to somebody else, and asks for other work at once.
+  void give_up_to_others(double time) {
+    route_.clear();
+    initial_work_ = 0;
+    if (moving()) halt();
+    idle_until_ = time;
+  }
   /// Takes a new route in place of what it has. An empty one leaves it without work: it then asks
   /// less and less often, as a plan is one for all, and disturbs them.
   void accept(Stops route, const ReplanRule& rule, double time) {
@@ -187,6 +199,8 @@ class Agent {
   // -- motion ------------------------------------------------------------------------------------
   /// What a teammate has told. Call `announce` and pass it on, all before anybody moves.
   void hear(const TrafficAgent& mate) { heard_[mate.id] = mate; }
+  /// Forgets what teammates have told of their motion.
+  void forget_traffic() { heard_.clear(); }
   /// Moves on by an image period, with regard to what the others have told. Different agents at
   /// once, if somebody has asked for the belief's goals before.
   void move(double time) {
@@ -212,7 +226,6 @@ class Agent {
 
   const KindSpace& space() const { return belief_->space(kind_); }
   const RobotKind& kind() const { return space().kind; }
-  Pose camera_pose() const { return body_->estimate().pose() * kind().T_body_camera; }
   bool moving() const { return phase_ == Phase::flying || phase_ == Phase::aside; }
 
   /// Corners are cut, so robots are not quite where their paths say.

@@ -67,7 +67,7 @@ class CentralPlanning {
     std::vector<RobotId> asked;
     std::size_t departures = 0;
     for (const auto& a : agents) {
-      team.push_back(a->state());
+      team.push_back(a->state(time));
       if (a->is_free()) asked.push_back(team.back().id);
       departures += a->departures();
     }

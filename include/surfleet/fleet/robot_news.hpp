@@ -138,7 +138,8 @@ inline Bytes encode_states(const StateMessage& message) {
   for (const StateNews& n : message.news) {
     detail::put_head(out, n.head);
     detail::put_varint(out, n.state.kind);
-    out.put(static_cast<std::uint8_t>(n.state.idle ? 1 : 0));
+    out.put(static_cast<std::uint8_t>((n.state.idle ? 1 : 0) | (n.state.held ? 2 : 0) |
+                                      (n.state.cornered ? 4 : 0) | (n.state.first ? 8 : 0)));
     detail::put_configuration(out, n.state.at);
     const std::size_t ahead = std::min<std::size_t>(n.state.ahead.size(), detail::kMostAhead);
     detail::put_varint(out, ahead);
@@ -157,7 +158,11 @@ inline StateMessage decode_states(std::span<const std::byte> bytes) {
     n.head = in.head();
     n.state.id = n.head.robot;
     n.state.kind = static_cast<RobotKindId>(in.number(std::numeric_limits<RobotKindId>::max()));
-    n.state.idle = (in.byte() & 1) != 0;
+    const std::uint8_t flags = in.byte();
+    n.state.idle = (flags & 1) != 0;
+    n.state.held = (flags & 2) != 0;
+    n.state.cornered = (flags & 4) != 0;
+    n.state.first = (flags & 8) != 0;
     n.state.at = in.configuration();
     n.state.ahead.resize(in.count(detail::kMostAhead, 12));
     for (Point3& p : n.state.ahead) p = in.point<float>();

@@ -37,6 +37,8 @@ struct RobotState {
   Stops route{};                ///< What it still has to do.
   bool idle = true;             ///< It has nothing to do.
   double age = 0.0;             ///< Of this news [s].
+  // In traffic, see `TrafficAgent`:
+  bool held = false, cornered = false, first = false;
 };
 
 /// Everything a planner may look at: a value, whose views last for the call.

@@ -73,8 +73,19 @@ class SurfaceBelief {
       : SurfaceBelief(options, kinds, TsdfMap({.voxel_size = options.voxel_size})) {}
   /// Goes on from what an earlier mission has left. Also throws if the voxels are of another size.
   SurfaceBelief(SurfaceBeliefOptions options, std::span<const RobotKind> kinds, TsdfMap map)
+      : SurfaceBelief(std::move(options), kinds, std::move(map), nullptr) {}
+  /// Follows a map that is made elsewhere, as of patches, and outlives it; takes no images.
+  SurfaceBelief(SurfaceBeliefOptions options, std::span<const RobotKind> kinds, const TsdfMap* map)
+      : SurfaceBelief(options, kinds, TsdfMap({.voxel_size = options.voxel_size}), map) {}
+  SurfaceBelief(const SurfaceBelief&) = delete;
+  SurfaceBelief& operator=(const SurfaceBelief&) = delete;
+
+ private:
+  SurfaceBelief(SurfaceBeliefOptions options, std::span<const RobotKind> kinds, TsdfMap own,
+                const TsdfMap* followed)
       : options_(checked(std::move(options))),
-        map_(std::move(map)),
+        own_(std::move(own)),
+        map_(followed != nullptr ? *followed : own_),
         integrate_(options_.tsdf,
                    // Behind a surface an image soon knows nothing: beams have another side.
                    {.full = options_.voxel_size, .zero = 1.5 * options_.voxel_size}),
@@ -92,9 +103,8 @@ class SurfaceBelief {
       spaces_.push_back(
           std::make_unique<KindSpace>(kind, flyable_, options_.voxel_size, options_.seed));
   }
-  SurfaceBelief(const SurfaceBelief&) = delete;
-  SurfaceBelief& operator=(const SurfaceBelief&) = delete;
 
+ public:
   // -- what comes in -----------------------------------------------------------------------------
   /// Takes what is unknown in `ball` for empty, for robots of this kind: where one starts.
   void add_known_free(RobotKindId kind, const Sphere& ball) {
@@ -102,7 +112,8 @@ class SurfaceBelief {
   }
   /// An image that was taken from a pose. Takes effect with the next `update`.
   void integrate(const DepthImage& image, const PinholeCamera& camera, const Pose& T_world_camera) {
-    integrate_(image, camera, T_world_camera, map_);
+    require(&map_ == &own_, "belief: follows a map; expected images to go into that");
+    integrate_(image, camera, T_world_camera, own_);
   }
   void update() {
     known_.update(map_);
@@ -161,7 +172,7 @@ class SurfaceBelief {
                                        options_.region);
   }
   /// The map, when all is over; nothing else of the belief may be used after.
-  TsdfMap take_map() { return std::move(map_); }
+  TsdfMap take_map() { return std::move(own_); }
 
  private:
   static SurfaceBeliefOptions checked(SurfaceBeliefOptions o) {
@@ -174,7 +185,8 @@ class SurfaceBelief {
   }
 
   SurfaceBeliefOptions options_;
-  TsdfMap map_;
+  TsdfMap own_;
+  const TsdfMap& map_;  // own_, unless it follows another
   TsdfIntegrator<DropOffWeight<>> integrate_;
   VoxelStateMap known_, observed_, flyable_;
   IncompleteSurface incomplete_;

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief A distributed fleet in a simulated world and on a simulated network [000 ch. 4].
+///
+///     DistributedSimulation simulation(options, {.network = NetworkConditions::named("wifi")},
+///                                      world, starts, [](RobotId) { return make_planner("tsga");
+///                                      });
+///     const DistributedResult result = simulation.run();
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/parallel.hpp>
+#include <surfleet/fleet/distributed_agent.hpp>
+#include <surfleet/fleet/impaired.hpp>
+#include <surfleet/simulation/mission.hpp>
+#include <surfleet/simulation/simulated_drone.hpp>
+
+namespace surfleet {
+/// Something that befalls a robot at a time.
+struct FleetEvent {
+  enum class Kind : std::uint8_t { killed, vanished };
+  double time = 0.0;  ///< [s]
+  RobotId robot = 0;
+  Kind kind = Kind::killed;  ///< Its process ends; its body hovers where it is, or is gone.
+};
+
+struct DistributedOptions {
+  NetworkConditions network{};
+  DistributedAgentOptions agent{};
+  std::vector<FleetEvent> events{};
+};
+
+struct DistributedResult {
+  MissionResult mission;    ///< `coverage` and `remaining` are of the first robot that is left.
+  bool maps_equal = false;  ///< All that are left hold the same map, every voxel.
+  std::vector<std::uint64_t> bytes_sent;  ///< One a robot.
+  std::array<std::uint64_t, kMessageKinds> bytes_by_kind{};
+  std::array<std::uint64_t, kNetworkDrops> dropped{};
+  std::size_t redundant_stops = 0;
+  std::vector<RobotId> lost;  ///< Killed or vanished.
+};
+
+/// Clock, bodies, network, events, records; every robot has a `DistributedAgent`. In a tick all
+/// hear, look and plan at once, then all move and speak; messages pass between ticks. The same
+/// options, world and planners give the same result on any number of threads.
+template <WorldModel World>
+class DistributedSimulation {
+ public:
+  using Body = SimulatedDrone<World>;
+  using Robot = DistributedAgent<Body>;
+  std::function<bool(const MissionProgress&)> on_progress;  ///< As in `Simulation`.
+
+  /// Throws `Error` on options out of range.
+  DistributedSimulation(MissionOptions options, DistributedOptions distributed, World& world,
+                        std::span<const Configuration> starts,
+                        const std::function<AnyPlanner(RobotId)>& planner)
+      : options_(std::move(options)),
+        distributed_(std::move(distributed)),
+        fleet_(starts.begin(), starts.end()),
+        network_(starts.size(), distributed_.network),
+        alive_(starts.size(), true) {
+    require(!fleet_.empty() && fleet_.size() <= 64, "robots: expected 1 to 64");
+    require(options_.max_time > 0.0, "time: expected more than 0 s");
+    for (const FleetEvent& e : distributed_.events)
+      require(e.robot < fleet_.size(), "event: of a robot that is not there");
+    options_.agent.endurance = options_.limits.endurance;
+    for (std::size_t r = 0; r < fleet_.size(); ++r) {
+      bodies_.push_back(
+          std::make_unique<Body>(world, r, fleet_, options_.kind.limits, options_.neighbours));
+      robots_.push_back(std::make_unique<Robot>(
+          static_cast<RobotId>(r), options_.kind, *bodies_[r], options_.belief, options_.agent,
+          options_.start_clearance, planner(static_cast<RobotId>(r)), distributed_.agent));
+    }
+    network_.position = [this](RobotId r) { return fleet_[r].position; };
+    result_.mission.trajectories.resize(fleet_.size());
+    result_.mission.path_length.assign(fleet_.size(), 0.0);
+  }
+  DistributedSimulation(const DistributedSimulation&) = delete;
+  DistributedSimulation& operator=(const DistributedSimulation&) = delete;
+
+  const Robot& robot(RobotId id) const { return *robots_[id]; }
+  /// The first robot that is left.
+  const Robot& first_left() const {
+    for (std::size_t r = 0; r < robots_.size(); ++r)
+      if (alive_[r]) return *robots_[r];
+    return *robots_.front();
+  }
+
+  /// Runs to the end. Once only.
+  DistributedResult run() {
+    record();
+    double next_report = 0.0;
+    while (time_ < options_.max_time) {
+      happen();
+      network_.advance(time_);
+      std::vector<std::vector<Message<Packet>>> inbox(robots_.size());
+      for (std::size_t r = 0; r < robots_.size(); ++r)
+        inbox[r] = network_.receive(static_cast<RobotId>(r));
+      each([&](std::size_t r) { robots_[r]->look(time_, inbox[r]); });
+      if (finished()) {
+        result_.mission.complete = true;
+        break;
+      }
+      std::vector<std::vector<Message<Packet>>> outbox(robots_.size());
+      each([&](std::size_t r) { outbox[r] = robots_[r]->act(time_); });
+      for (auto& messages : outbox)
+        for (Message<Packet>& m : messages) network_.send(std::move(m));
+      time_ = static_cast<double>(++step_) * options_.agent.image_period;
+      record();
+      if (time_ >= next_report) {
+        next_report += 1.0;
+        if (!report()) break;
+      }
+    }
+    return summary();
+  }
+
+ private:
+  template <typename F>
+  void each(const F& f) {
+    parallel_for(robots_.size(), options_.threads, [&](std::size_t r) {
+      if (alive_[r]) f(r);
+    });
+  }
+  void happen() {
+    for (const FleetEvent& e : distributed_.events)
+      if (alive_[e.robot] && e.time <= time_) {
+        alive_[e.robot] = false;
+        result_.lost.push_back(e.robot);
+        // Far from everything, where no camera and no judge meets it.
+        if (e.kind == FleetEvent::Kind::vanished)
+          fleet_[e.robot].position = Point3::Constant(-1e6 - 1e3 * e.robot);
+      }
+  }
+  bool finished() const {
+    bool anybody = false;
+    for (std::size_t r = 0; r < robots_.size(); ++r) {
+      if (!alive_[r]) continue;
+      anybody = true;
+      if (!robots_[r]->finished(time_)) return false;
+    }
+    return anybody;
+  }
+  void record() {
+    for (std::size_t r = 0; r < fleet_.size(); ++r) {
+      if (!alive_[r]) continue;
+      auto& t = result_.mission.trajectories[r];
+      if (!t.empty())
+        result_.mission.path_length[r] +=
+            (fleet_[r].position - t.back().configuration.position).norm();
+      t.push_back({time_, fleet_[r]});
+    }
+  }
+  MissionProgress current() {
+    const Robot& r = first_left();
+    return {.time = time_,
+            .path_length = result_.mission.total_path_length(),
+            .incomplete = r.belief().incomplete().size(),
+            .known_blocks = r.belief().known().grid().block_count(),
+            .estimated_coverage = estimate_};
+  }
+  bool report() {
+    if (time_ >= next_estimate_) {
+      estimate_ = first_left().belief().estimate_coverage().share();
+      next_estimate_ = std::max(1.25 * time_, time_ + 20.0);
+    }
+    const MissionProgress progress = current();
+    auto& history = result_.mission.history;
+    if (history.empty() || time_ >= history.back().time + 10.0) history.push_back(progress);
+    return !on_progress || on_progress(progress);
+  }
+  DistributedResult summary() {
+    MissionResult& m = result_.mission;
+    const Robot& first = first_left();
+    m.coverage = first.belief().estimate_coverage();
+    estimate_ = m.coverage.share();
+    m.history.push_back(current());
+    m.completion_time = time_;
+    m.remaining = first.belief().incomplete().size();
+    m.left_area = static_cast<double>(first.belief().goals().size()) * first.belief().voxel_size() *
+                  first.belief().voxel_size();
+    result_.maps_equal = true;
+    for (std::size_t r = 0; r < robots_.size(); ++r) {
+      const Robot& robot = *robots_[r];
+      m.plans += robot.plans();
+      m.planning_time += robot.planning_time();
+      m.emergency_stops += robot.agent().emergency_stops();
+      m.waits += robot.agent().waits();
+      m.path_at_work.push_back(robot.agent().travelled_at_work());
+      m.stop_reasons.push_back(robot.agent().stop_reason().value_or(
+          m.complete ? StopReason::complete : StopReason::ended));
+      result_.redundant_stops += robot.redundant_stops();
+      result_.bytes_sent.push_back(network_.bytes_sent(static_cast<RobotId>(r)));
+      if (alive_[r] && &robot != &first)
+        result_.maps_equal = result_.maps_equal && equal_maps(first.map(), robot.map());
+    }
+    for (std::size_t k = 0; k < kMessageKinds; ++k)
+      result_.bytes_by_kind[k] = network_.bytes_sent_by_kind(static_cast<std::uint8_t>(k));
+    for (std::size_t k = 0; k < kNetworkDrops; ++k)
+      result_.dropped[k] = network_.dropped(static_cast<NetworkDrop>(k));
+    return std::move(result_);
+  }
+
+  MissionOptions options_;
+  DistributedOptions distributed_;
+  std::vector<Configuration> fleet_;  // the truth
+  SimulatedNetwork<Packet> network_;
+  std::vector<bool> alive_;
+  std::vector<std::unique_ptr<Body>> bodies_;
+  std::vector<std::unique_ptr<Robot>> robots_;
+  std::uint64_t step_ = 0;
+  double time_ = 0.0, next_estimate_ = 0.0, estimate_ = 0.0;
+  DistributedResult result_;
+};
+}  // namespace surfleet
