@@ -56,6 +56,7 @@ int run(int argc, char** argv) {
   InspectionSite site(open_scene(s), s);
   // Whatever can be refused is refused before the first file is made.
   const auto begun = begun_map(s);
+  if (s.architecture == "distributed") distributed_options(s);
   site.find_reference(s, site.starts(s, s.robots).front().position);
   const auto out = cli::prepare_output_folder(a.out);
   if (!s.save_images.empty()) cli::prepare_output_folder(s.save_images);
@@ -105,6 +106,12 @@ int run(int argc, char** argv) {
                 100.0 * judged.points->rmse_m);
   std::printf("\n  collisions %d, least clearance %.2f m, %zu incomplete elements left\n",
               judged.paths.collisions, judged.paths.min_clearance_m, run.result.remaining);
+  if (run.distributed) {
+    std::uint64_t bytes = 0;
+    for (const std::uint64_t b : run.distributed->bytes_sent) bytes += b;
+    std::printf("  %.2f MB sent, maps %s, %zu robots lost\n", 1e-6 * static_cast<double>(bytes),
+                run.distributed->maps_equal ? "equal" : "not equal", run.distributed->lost.size());
+  }
   if (judged.keep_out_violations > 0)
     std::printf("  keep-out boxes entered %d times\n", judged.keep_out_violations);
   if (const std::string doubt = doubts(judged); !doubt.empty())

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "support/cli.hpp"
+#include "support/fleet_files.hpp"
 #include "support/peak_memory.hpp"
 #include "support/recorded_world.hpp"
 
@@ -186,6 +187,16 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   return o;
 }
 
+DistributedOptions distributed_options(const InspectionSettings& s) {
+  DistributedOptions o;
+  o.network = network_conditions(s.network, s.robots, s.seed);
+  o.events = fleet_events(s.events, s.robots);
+  o.agent.patch_images = static_cast<std::uint32_t>(s.patch_images);
+  o.agent.memory_of_lost = s.wait_for_team;
+  o.agent.redundancy.radius = 0.5 * s.cluster_radius;
+  return o;
+}
+
 TriangleMesh reconstruction_of(const TsdfMap& map, const InspectionSettings& s,
                                const Box3& region) {
   return cropped(extract_surface(map, {.min_weight = s.known_weight, .threads = s.threads}),
@@ -212,17 +223,26 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     Clock::duration watched{};
     MissionOptions options = mission_options(s, site);
     options.begun = begun;
-    FlownMission flown =
-        fly_mission(options, world, starts, make_planner(s.planner, s.planner_settings()),
-                    [&](const MissionProgress& p, const TsdfMap& map) {
-                      const auto asked = Clock::now();
-                      const bool go_on = progress(p, map);
-                      watched += Clock::now() - asked;
-                      return go_on;
-                    });
+    const MissionWatch watch = [&](const MissionProgress& p, const TsdfMap& map) {
+      const auto asked = Clock::now();
+      const bool go_on = progress(p, map);
+      watched += Clock::now() - asked;
+      return go_on;
+    };
+    if (s.architecture == "distributed") {
+      const auto planner = [&](RobotId) { return make_planner(s.planner, s.planner_settings()); };
+      FlownDistributed flown =
+          fly_distributed(options, distributed_options(s), world, starts, planner, watch);
+      run.result = std::move(flown.result.mission);
+      run.distributed = std::move(flown.result);
+      run.map = std::move(flown.map);
+    } else {
+      FlownMission flown =
+          fly_mission(options, world, starts, make_planner(s.planner, s.planner_settings()), watch);
+      run.result = std::move(flown.result);
+      run.map = std::move(flown.map);
+    }
     run.wall_time = std::chrono::duration<double>(Clock::now() - before - watched).count();
-    run.result = std::move(flown.result);
-    run.map = std::move(flown.map);
     run.mission_memory = peak_memory();
   }
   const PointCloud points =

@@ -18,6 +18,7 @@
 #include <surfleet/mapping/tsdf_map.hpp>
 #include <surfleet/simulation/agreeing_judges.hpp>
 #include <surfleet/simulation/drone_world.hpp>
+#include <surfleet/simulation/fly_distributed.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
 #include <surfleet/simulation/judge.hpp>
 #include <surfleet/simulation/mission.hpp>
@@ -54,6 +55,8 @@ struct InspectionSite {
   void find_reference(const InspectionSettings& settings, const Point3& start);
 };
 
+/// Throws `Error` for a network or events that cannot be.
+DistributedOptions distributed_options(const InspectionSettings& s);
 MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site);
 
 /// What is handed over of a map, and judged, while a mission is under way and at its end: the
@@ -63,6 +66,7 @@ TriangleMesh reconstruction_of(const TsdfMap& map, const InspectionSettings& s, 
 /// A finished mission and what it brought back.
 struct InspectionRun {
   MissionResult result;
+  std::optional<DistributedResult> distributed;  ///< All of it but the mission, if it was.
   TsdfMap map;
   TriangleMesh reconstruction;     ///< Cut to the region, without the ground.
   PointCloud points;               ///< Of the surface, beside the mesh, cut as it is.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -27,6 +28,26 @@ std::string doubts(const InspectionJudgement& judged) {
          " m; collisions are counted by the nearer, expected a mesh that both can measure";
 }
 
+namespace {
+/// What a distributed fleet has besides.
+nlohmann::json network_metrics(const InspectionSettings& s, const DistributedResult& d) {
+  constexpr const char* kKinds[] = {"state", "route", "digest", "request", "patch"};
+  constexpr const char* kDrops[] = {"loss", "out_of_range", "partition", "queue"};
+  static_assert(std::size(kKinds) == kMessageKinds && std::size(kDrops) == kNetworkDrops);
+  nlohmann::json kinds, drops, lost = nlohmann::json::array();
+  for (std::size_t k = 0; k < kMessageKinds; ++k) kinds[kKinds[k]] = d.bytes_by_kind[k];
+  for (std::size_t k = 0; k < kNetworkDrops; ++k) drops[kDrops[k]] = d.dropped[k];
+  for (const RobotId r : d.lost) lost.push_back(r + 1);
+  return {{"network", s.network},
+          {"bytes_sent", d.bytes_sent},
+          {"bytes_sent_by_kind", kinds},
+          {"messages_dropped", drops},
+          {"redundant_stops", d.redundant_stops},
+          {"maps_equal", d.maps_equal},
+          {"lost_robots", lost}};
+}
+}  // namespace
+
 nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionSite& site,
                                   const InspectionRun& run, const InspectionJudgement& judged,
                                   const CoverageCurve& curve) {
@@ -46,50 +67,53 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
   nlohmann::json reasons = nlohmann::json::object();
   for (const auto& [reason, count] : run.result.reasons)
     reasons[std::string(name_of(reason))] = count;
-  return {{"scene", site.scene.name},
-          {"planner", s.planner},
-          {"preset", s.preset},
-          {"architecture", s.architecture_name()},
-          {"robots", s.robots},
-          {"seed", s.seed},
-          {"voxel_m", s.voxel},
-          {"complete", run.result.complete},
-          {"stop_reason", stop_reasons},
-          {"left_area_m2", run.result.left_area},
-          {"completion_time_s", run.result.completion_time},
-          {"planning_time_s", run.result.planning_time},
-          {"wall_time_s", run.wall_time},
-          {"mission_peak_memory_bytes", run.mission_memory},
-          {"peak_memory_bytes", peak_memory()},
-          {"total_path_length_m", run.result.total_path_length()},
-          {"path_length_m", run.result.path_length},
-          {"total_path_at_work_m", run.result.total_path_at_work()},
-          {"path_to_coverage_m", milestones},
-          {"surface_coverage", m.surface_coverage},
-          {"estimated_coverage", run.result.coverage.share()},
-          {"coverage_of_met", judged.coverage_of_met},
-          {"point_coverage", judged.points ? number(judged.points->surface_coverage) : none},
-          {"point_rmse_m", judged.points ? number(judged.points->rmse_m) : none},
-          {"m3c2_coverage", m.m3c2_coverage()},
-          {"observable_share", site.reference_share},
-          {"m3c2_mean_m", number(m.m3c2_mean_m)},
-          {"m3c2_std_m", number(m.m3c2_std_m)},
-          {"rmse_m", number(m.rmse_m)},
-          {"completeness_mean_m", number(m.completeness_mean_m)},
-          {"completeness_p95_m", number(m.completeness_p95_m)},
-          {"accuracy_mean_m", number(m.accuracy_mean_m)},
-          {"accuracy_p95_m", number(m.accuracy_p95_m)},
-          {"collisions", judged.paths.collisions},
-          {"min_clearance_m", number(judged.paths.min_clearance_m)},
-          {"min_separation_m", number(judged.paths.min_separation_m)},
-          {"judge_disagreement_m", number(judged.disagreement)},
-          {"keep_out_violations", judged.keep_out_violations},
-          {"start_clearance_m", s.known_around_start()},
-          {"remaining_ise", run.result.remaining},
-          {"remaining_ise_reasons", reasons},
-          {"images", run.result.images},
-          {"plans", run.result.plans},
-          {"emergency_stops", run.result.emergency_stops}};
+  nlohmann::json metrics{
+      {"scene", site.scene.name},
+      {"planner", s.planner},
+      {"preset", s.preset},
+      {"architecture", s.architecture_name()},
+      {"robots", s.robots},
+      {"seed", s.seed},
+      {"voxel_m", s.voxel},
+      {"complete", run.result.complete},
+      {"stop_reason", stop_reasons},
+      {"left_area_m2", run.result.left_area},
+      {"completion_time_s", run.result.completion_time},
+      {"planning_time_s", run.result.planning_time},
+      {"wall_time_s", run.wall_time},
+      {"mission_peak_memory_bytes", run.mission_memory},
+      {"peak_memory_bytes", peak_memory()},
+      {"total_path_length_m", run.result.total_path_length()},
+      {"path_length_m", run.result.path_length},
+      {"total_path_at_work_m", run.result.total_path_at_work()},
+      {"path_to_coverage_m", milestones},
+      {"surface_coverage", m.surface_coverage},
+      {"estimated_coverage", run.result.coverage.share()},
+      {"coverage_of_met", judged.coverage_of_met},
+      {"point_coverage", judged.points ? number(judged.points->surface_coverage) : none},
+      {"point_rmse_m", judged.points ? number(judged.points->rmse_m) : none},
+      {"m3c2_coverage", m.m3c2_coverage()},
+      {"observable_share", site.reference_share},
+      {"m3c2_mean_m", number(m.m3c2_mean_m)},
+      {"m3c2_std_m", number(m.m3c2_std_m)},
+      {"rmse_m", number(m.rmse_m)},
+      {"completeness_mean_m", number(m.completeness_mean_m)},
+      {"completeness_p95_m", number(m.completeness_p95_m)},
+      {"accuracy_mean_m", number(m.accuracy_mean_m)},
+      {"accuracy_p95_m", number(m.accuracy_p95_m)},
+      {"collisions", judged.paths.collisions},
+      {"min_clearance_m", number(judged.paths.min_clearance_m)},
+      {"min_separation_m", number(judged.paths.min_separation_m)},
+      {"judge_disagreement_m", number(judged.disagreement)},
+      {"keep_out_violations", judged.keep_out_violations},
+      {"start_clearance_m", s.known_around_start()},
+      {"remaining_ise", run.result.remaining},
+      {"remaining_ise_reasons", reasons},
+      {"images", run.result.images},
+      {"plans", run.result.plans},
+      {"emergency_stops", run.result.emergency_stops}};
+  if (run.distributed) metrics.update(network_metrics(s, *run.distributed));
+  return metrics;
 }
 
 namespace {

@@ -65,6 +65,10 @@ struct InspectionSettings : MissionPreset {
   std::string begun;                 ///< Folder of a mission to go on with; empty: none.
   std::string neighbours = "exact";  ///< How drones see one another: exact, markers, none.
   bool announces = true;             ///< Drones tell each other where they go.
+  std::string network = "perfect";   ///< Of a distributed fleet: perfect, wifi, poor or a file.
+  std::string events;                ///< File of what befalls robots of one; empty: nothing.
+  int patch_images = 5;              ///< In a map patch of one.
+  double wait_for_team = 30.0;       ///< For mates that it no longer hears [s].
   std::string save_images;           ///< Folder for what the cameras see; empty: nowhere.
   /// Whether `utility_share` was asked for, and holds for planners that have one of their own.
   bool utility_share_given = false;
@@ -96,7 +100,7 @@ struct InspectionSettings : MissionPreset {
     if (utility_share_given) p.utility_share = utility_share;
     return p;
   }
-  /// What it is called in results: the one fleet that flies here has one map and one planner.
+  /// What it is called in results.
   std::string architecture_name() const {
     if (!architecture.empty()) return architecture;
     return robots == 1 ? "single" : "centralized";
@@ -145,7 +149,18 @@ class InspectionOptions {
     if (program == InspectionProgram::mission) {
       app.add("--robots", settings.robots, "number of drones");
       app.add("--planner", settings.planner, "one of " + planner_list());
-      app.add("--architecture", settings.architecture, "single or centralized");
+      app.add("--architecture", settings.architecture,
+              "single, centralized (one map, one planner) or distributed (each robot has its own)");
+      app.add("--network", settings.network,
+              "of a distributed fleet: perfect, wifi (2 % loss, 20 ms, 20 Mbit/s), poor (30 %, 500 "
+              "+- 200 ms, 1 Mbit/s), or a file with loss, latency, jitter [s], bandwidth [bit/s], "
+              "range [m], partition, cut");
+      app.add("--events", settings.events,
+              "file of what befalls robots of a distributed fleet: killed = [\"2 at 120\"], "
+              "vanished");
+      app.add("--patch-images", settings.patch_images, "in a patch of a distributed fleet's map");
+      app.add("--wait-for-team", settings.wait_for_team,
+              "for robots of a distributed fleet that are no longer heard [s]");
     }
     app.add("--speed", settings.limits.speed, "nominal speed [m/s]");
     app.add("--yaw-rate", settings.limits.yaw_rate, "at which a drone turns [rad/s]");
@@ -339,8 +354,18 @@ class InspectionOptions {
             "--lambda-tc, --lambda-ic: expected 0 or more");
     require(s.max_looks >= 1 && s.max_looks <= 100, "--max-looks: expected 1 to 100");
     require(s.utility_share > 0.0 && s.utility_share <= 1.0, "--utility-share: expected (0, 1]");
-    require(s.architecture.empty() || s.architecture == "single" || s.architecture == "centralized",
-            "--architecture " + s.architecture + ": expected single or centralized");
+    const std::string& a = s.architecture;
+    require(a.empty() || a == "single" || a == "centralized" || a == "distributed",
+            "--architecture " + a + ": expected single, centralized or distributed");
+    const bool distributed = a == "distributed";
+    require(distributed || (s.network == "perfect" && s.events.empty()),
+            "--network, --events: expected --architecture distributed with them");
+    require(!distributed ||
+                (s.announces && s.begun.empty() && s.end.least_gain <= 0.0 && !s.end.coverage_goal),
+            "--architecture distributed: expected no --announcements off, --continue, --least-gain "
+            "or --coverage-goal with it");
+    require(s.patch_images >= 1 && s.patch_images <= 1000, "--patch-images: expected 1 to 1000");
+    positive(s.wait_for_team, "--wait-for-team");
     require(s.architecture != "single" || s.robots == 1,
             "--architecture single: expected --robots 1");
     planner_by_name(s.planner);

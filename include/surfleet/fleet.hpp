@@ -8,6 +8,7 @@
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/fleet/central_planning.hpp>
 #include <surfleet/fleet/distributed_agent.hpp>
+#include <surfleet/fleet/distributed_options.hpp>
 #include <surfleet/fleet/endurance.hpp>
 #include <surfleet/fleet/impaired.hpp>
 #include <surfleet/fleet/message_guard.hpp>

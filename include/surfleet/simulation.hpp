@@ -10,6 +10,7 @@
 #include <surfleet/simulation/depth_camera.hpp>
 #include <surfleet/simulation/distributed_simulation.hpp>
 #include <surfleet/simulation/drone_world.hpp>
+#include <surfleet/simulation/fly_distributed.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
 #include <surfleet/simulation/house.hpp>
 #include <surfleet/simulation/judge.hpp>

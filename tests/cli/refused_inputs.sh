@@ -37,7 +37,6 @@ refused drone_inspection --scene house --seed -1 --out out
 refused drone_inspection --scene house --robots 1.5 --out out
 refused drone_inspection --scene house --ground 1 --out out
 refused drone_inspection --scene house --bounds 40 40 1.5 60 60 10 --start 50 50 5 --out out
-refused drone_inspection --scene house --architecture distributed --out out
 refused drone_inspection --scene house --neighbours blind --out out
 refused drone_inspection --scene house --announcements maybe --out out
 refused drone_inspection --scene house --least-gain -1 --out out

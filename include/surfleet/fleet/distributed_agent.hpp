@@ -16,6 +16,7 @@
 #include <vector>
 
 #include <surfleet/fleet/agent.hpp>
+#include <surfleet/fleet/distributed_options.hpp>
 #include <surfleet/fleet/message_guard.hpp>
 #include <surfleet/fleet/packet.hpp>
 #include <surfleet/fleet/patch_sync.hpp>
@@ -27,16 +28,6 @@
 #include <surfleet/planning/surface_belief.hpp>
 
 namespace surfleet {
-struct DistributedAgentOptions {
-  std::uint32_t team = 0;          ///< Robots of other teams are not heard.
-  std::uint32_t incarnation = 0;   ///< How often this robot was started before.
-  std::uint32_t patch_images = 5;  ///< Images in a map patch.
-  double memory_of_lost = 30.0;    ///< Mates not heard for so long are out of everything [s].
-  PatchSyncOptions sync;
-  TeamRelayOptions relay;
-  RedundancyOptions redundancy;
-};
-
 /// The agent of one robot with its own belief, made of its own and others' patches. It plans for
 /// itself and for mates without work, and takes its own route of that plan (dist-TSGA [000 Alg. 5],
 /// or any other planner by the same rule); mates under way keep the routes they told. Alone, for as

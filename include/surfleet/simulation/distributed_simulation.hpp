@@ -22,34 +22,11 @@
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/fleet/distributed_agent.hpp>
 #include <surfleet/fleet/impaired.hpp>
+#include <surfleet/simulation/fly_distributed.hpp>
 #include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/simulated_drone.hpp>
 
 namespace surfleet {
-/// Something that befalls a robot at a time.
-struct FleetEvent {
-  enum class Kind : std::uint8_t { killed, vanished };
-  double time = 0.0;  ///< [s]
-  RobotId robot = 0;
-  Kind kind = Kind::killed;  ///< Its process ends; its body hovers where it is, or is gone.
-};
-
-struct DistributedOptions {
-  NetworkConditions network{};
-  DistributedAgentOptions agent{};
-  std::vector<FleetEvent> events{};
-};
-
-struct DistributedResult {
-  MissionResult mission;    ///< `coverage` and `remaining` are of the first robot that is left.
-  bool maps_equal = false;  ///< All that are left hold the same map, every voxel.
-  std::vector<std::uint64_t> bytes_sent;  ///< One a robot.
-  std::array<std::uint64_t, kMessageKinds> bytes_by_kind{};
-  std::array<std::uint64_t, kNetworkDrops> dropped{};
-  std::size_t redundant_stops = 0;
-  std::vector<RobotId> lost;  ///< Killed or vanished.
-};
-
 /// Clock, bodies, network, events, records; every robot has a `DistributedAgent`. In a tick all
 /// hear, look and plan at once, then all move and speak; messages pass between ticks. The same
 /// options, world and planners give the same result on any number of threads.
@@ -68,7 +45,8 @@ class DistributedSimulation {
         distributed_(std::move(distributed)),
         fleet_(starts.begin(), starts.end()),
         network_(starts.size(), distributed_.network),
-        alive_(starts.size(), true) {
+        alive_(starts.size(), true),
+        gone_(starts.size(), false) {
     require(!fleet_.empty() && fleet_.size() <= 64, "robots: expected 1 to 64");
     require(options_.max_time > 0.0, "time: expected more than 0 s");
     for (const FleetEvent& e : distributed_.events)
@@ -107,6 +85,8 @@ class DistributedSimulation {
       for (std::size_t r = 0; r < robots_.size(); ++r)
         inbox[r] = network_.receive(static_cast<RobotId>(r));
       each([&](std::size_t r) { robots_[r]->look(time_, inbox[r]); });
+      result_.mission.images +=
+          static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), true));
       if (finished()) {
         result_.mission.complete = true;
         break;
@@ -138,8 +118,10 @@ class DistributedSimulation {
         alive_[e.robot] = false;
         result_.lost.push_back(e.robot);
         // Far from everything, where no camera and no judge meets it.
-        if (e.kind == FleetEvent::Kind::vanished)
+        if (e.kind == FleetEvent::Kind::vanished) {
+          gone_[e.robot] = true;
           fleet_[e.robot].position = Point3::Constant(-1e6 - 1e3 * e.robot);
+        }
       }
   }
   bool finished() const {
@@ -153,7 +135,7 @@ class DistributedSimulation {
   }
   void record() {
     for (std::size_t r = 0; r < fleet_.size(); ++r) {
-      if (!alive_[r]) continue;
+      if (gone_[r]) continue;
       auto& t = result_.mission.trajectories[r];
       if (!t.empty())
         result_.mission.path_length[r] +=
@@ -215,7 +197,7 @@ class DistributedSimulation {
   DistributedOptions distributed_;
   std::vector<Configuration> fleet_;  // the truth
   SimulatedNetwork<Packet> network_;
-  std::vector<bool> alive_;
+  std::vector<bool> alive_, gone_;
   std::vector<std::unique_ptr<Body>> bodies_;
   std::vector<std::unique_ptr<Robot>> robots_;
   std::uint64_t step_ = 0;

@@ -50,8 +50,8 @@ class Judge {
     require(radius > 0.0 && tolerance > 0.0, "judge: expected a positive radius and tolerance");
   }
 
-  /// The robots' positions now, always for the same fleet in the same order. O(robots²) and a few
-  /// distance queries a robot.
+  /// The robots' positions now, always for the same fleet in the same order; not finite for one
+  /// that is gone. O(robots²) and a few distance queries a robot.
   void observe(std::span<const Point3> positions) {
     const std::size_t n = positions.size();
     if (last_.empty()) {
@@ -61,12 +61,14 @@ class Judge {
     }
     require(last_.size() == n, "judge: expected the same fleet as before");
     for (std::size_t i = 0; i < n; ++i) {
+      if (!positions[i].allFinite()) continue;
       const double at_end = distance_->distance(positions[i]);
       const double least = least_distance(last_[i], positions[i], at_end);
       report_.min_distance_m = std::min(report_.min_distance_m, least);
       report_.min_clearance_m = std::min(report_.min_clearance_m, least - radius_);
       count(least < radius_, at_end < radius_, in_scene_, i, report_.collisions_with_scene);
       for (std::size_t j = 0; j < i; ++j) {
+        if (!positions[j].allFinite()) continue;
         // The relative motion is a straight line too.
         const Eigen::Vector3d from = last_[i] - last_[j];
         const Eigen::Vector3d way = (positions[i] - positions[j]) - from;
@@ -120,18 +122,18 @@ class Judge {
 };
 
 /// Judges whole paths, robot by robot: `paths[r][k]` is robot r's position at the k-th of the
-/// common instants.
+/// common instants. One whose path ends before the longest is gone then.
 template <DistanceJudge Distance>
 JudgeReport judge_paths(const Distance& distance, std::span<const std::vector<Point3>> paths,
                         double radius) {
   Judge<Distance> judge(distance, radius);
   if (paths.empty()) return judge.report();
   std::vector<Point3> positions(paths.size());
-  for (std::size_t k = 0; k < paths[0].size(); ++k) {
-    for (std::size_t r = 0; r < paths.size(); ++r) {
-      require(paths[r].size() == paths[0].size(), "judge: expected paths of equal length");
-      positions[r] = paths[r][k];
-    }
+  std::size_t instants = 0;
+  for (const std::vector<Point3>& path : paths) instants = std::max(instants, path.size());
+  for (std::size_t k = 0; k < instants; ++k) {
+    for (std::size_t r = 0; r < paths.size(); ++r)
+      positions[r] = k < paths[r].size() ? paths[r][k] : Point3::Constant(JudgeReport::kNone);
     judge.observe(positions);
   }
   return judge.report();
