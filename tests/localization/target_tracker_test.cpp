@@ -26,7 +26,8 @@ struct Seen {
 /// 30 frames a second; `markers(k)` says which of the markers are seen in frame k, as bits.
 template <MotionModel Motion>
 Seen follow(int frames, const std::function<unsigned(int)>& markers, int strangers, double noise,
-            Motion motion, std::uint64_t seed = 22) {
+            Motion motion, std::uint64_t seed = 22,
+            const std::function<Pose(double)>& pose = flight) {
   const auto camera = scenes::printed_camera();
   MarkerTarget target = printed_target();
   target.marker_radius = 0.0;
@@ -40,7 +41,7 @@ Seen follow(int frames, const std::function<unsigned(int)>& markers, int strange
     std::vector<Eigen::Vector2d> pixels;
     for (std::size_t m = 0; m < 4; ++m)
       if ((markers(k) >> m & 1U) != 0)
-        if (const auto px = camera.project(flight(t) * target.markers[m]))
+        if (const auto px = camera.project(pose(t) * target.markers[m]))
           pixels.push_back(*px + noise * Eigen::Vector2d(random.normal(), random.normal()));
     for (int i = 0; i < strangers; ++i)
       pixels.emplace_back(random.uniform(0, 751), random.uniform(0, 479));
@@ -48,8 +49,8 @@ Seen follow(int frames, const std::function<unsigned(int)>& markers, int strange
     seen.frames.push_back(*tracker.update(t, observe_all(camera, pixels)));
     const TrackedFrame& f = seen.frames.back();
     if (f.state == TrackState::tracked &&
-        (scenes::angle_between(f.fits[0].T_camera_target, flight(t)) > radians(10) ||
-         scenes::distance_between(f.fits[0].T_camera_target, flight(t)) > 0.1))
+        (scenes::angle_between(f.fits[0].T_camera_target, pose(t)) > radians(10) ||
+         scenes::distance_between(f.fits[0].T_camera_target, pose(t)) > 0.1))
       ++seen.wrong;
   }
   return seen;
@@ -108,6 +109,23 @@ TEST(two_markers_coast_half_a_second_then_it_is_lost_and_found_again) {
   const Matrix6 early = seen.frames[31].fits[0].covariance,
                 late = seen.frames[43].fits[0].covariance;
   CHECK(late.trace() > early.trace());
+}
+TEST(a_pose_that_fits_by_chance_is_not_followed_for_ever) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int jump = 30; jump < 180; jump += 6) {
+      const auto turned = [&](double t) {
+        Pose T = flight(t);
+        if (t > (jump - 0.5) / 30.0)
+          T.linear() =
+              T.linear() *
+              Eigen::AngleAxisd(kPi, Eigen::Vector3d::Unit(axis)).toRotationMatrix();
+        return T;
+      };
+      const Seen seen = follow(
+          jump + 60, [](int) { return kAll; }, 0, 0.1, LinearRegression{},
+          static_cast<std::uint64_t>(jump), turned);
+      CHECK(seen.wrong <= 25);
+    }
 }
 TEST(what_is_ambiguous_is_returned_whole_and_settled_by_motion) {
   // Far and noisy: single images may not tell.

@@ -36,6 +36,8 @@ struct TrackerOptions : PredictedMatchOptions {
   double speed_change = 0.1;       ///< From frame to frame, for three markers and coasting [m/s].
   double turn_change = 0.3;        ///< The same of rotation [rad/s].
   double roi_margin = 40.0;        ///< About the predicted markers [px].
+  double recheck = 0.25;           ///< While tracked, all is searched anew so often [s].
+  int recheck_frames = 4;          ///< In which what that finds must be better.
 };
 
 /// What is known after a frame.
@@ -48,7 +50,8 @@ struct TrackedFrame {
 /// Follows one target in the blobs of successive frames.
 ///
 /// While tracked, predicted markers take their nearest blobs; the whole search is made again if
-/// that does not fit. Three markers are enough with a prediction; with fewer it coasts. What is
+/// that does not fit, and from time to time, lest what fits by chance is followed for ever. Three
+/// markers are enough with a prediction; with fewer it coasts. What is
 /// ambiguous at first is followed on all ways until one is left.
 template <CameraModel Camera, MotionModel Motion = LinearRegression>
 class TargetTracker {
@@ -96,11 +99,20 @@ class TargetTracker {
                                      bool keep_if_lost = false) {
     require(!started_ || time > time_, "tracker: expected times that increase");
     if (const auto predicted = predict(time)) {
-      if (auto fit = match().near(*predicted, blobs)) return accept(time, std::move(*fit));
-      // A prediction from two poses is less sure than each.
-      const Matrix6 covariance = 2.0 * covariance_ + drift(time - last_seen_);
-      if (auto fit = match().three_markers(*predicted, covariance, blobs))
-        return accept(time, std::move(*fit));
+      auto fit = match().near(*predicted, blobs);
+      if (!fit) {
+        // A prediction from two poses is less sure than each.
+        const Matrix6 covariance = 2.0 * covariance_ + drift(time - last_seen_);
+        fit = match().three_markers(*predicted, covariance, blobs);
+      }
+      if (fit && overtaken(time, *fit, blobs)) {
+        history_ = std::move(rival_->history);
+        history_.pop_back();
+        fit = std::move(rival_->fit);
+        rival_.reset();
+      }
+      if (fit) return accept(time, std::move(*fit));
+      rival_.reset();
       if (keep_if_lost) return std::nullopt;
       // All of it anew; of several the one that is closest to the prediction.
       Identification found = identify(blobs, target_, options.identify);
@@ -130,13 +142,13 @@ class TargetTracker {
       if (hypotheses_.empty()) propose(time, blobs, found.fits);
       if (time - last_seen_ <= options.max_coast) {
         stamp(time, TrackState::coasting);
-        TargetFit fit;
-        fit.T_camera_target = *predicted;
-        fit.covariance = covariance_;
+        TargetFit guess;
+        guess.T_camera_target = *predicted;
+        guess.covariance = covariance_;
         const double wait = time - last_seen_;
-        fit.covariance += drift(wait) * (wait / std::max(last_step_, 1e-3));
-        fit.blob_of_marker.assign(target_.markers.size(), TargetFit::kUnseen);
-        return TrackedFrame{state_, {std::move(fit)}, false};
+        guess.covariance += drift(wait) * (wait / std::max(last_step_, 1e-3));
+        guess.blob_of_marker.assign(target_.markers.size(), TargetFit::kUnseen);
+        return TrackedFrame{state_, {std::move(guess)}, false};
       }
       history_.clear();
       stamp(time, TrackState::lost);
@@ -159,7 +171,18 @@ class TargetTracker {
     TargetFit fit;
     std::vector<TimedPose> history;
     double score = 0.0;  ///< Summed over frames.
+    int ahead = 0;       ///< Frames in which it was better than what is tracked, less the others.
   };
+  /// Takes a hypothesis to the next frame; false if the blobs do not bear it out.
+  bool goes_on(Hypothesis& h, double time, std::span<const Observation> blobs) const {
+    auto fit = match().near(motion(h.history, time), blobs);
+    if (!fit) return false;
+    h.history.push_back({time, fit->T_camera_target});
+    if (h.history.size() > motion.samples()) h.history.erase(h.history.begin());
+    h.score += fit->chi_square;
+    h.fit = std::move(*fit);
+    return true;
+  }
 
   void stamp(double time, TrackState state) {
     time_ = time;
@@ -172,6 +195,30 @@ class TargetTracker {
     q.diagonal().head<3>().setConstant(options.turn_change * options.turn_change * step * step);
     q.diagonal().tail<3>().setConstant(options.speed_change * options.speed_change * step * step);
     return q;
+  }
+  /// Whether the blobs show one other pose, with more markers or likelier than `fit`, now and in
+  /// the frames that follow; then it takes the place of what was tracked.
+  bool overtaken(double time, const TargetFit& fit, std::span<const Observation> blobs) {
+    if (rival_ && !goes_on(*rival_, time, blobs)) rival_.reset();
+    if (!rival_) {
+      if (time - checked_ < options.recheck) return false;
+      checked_ = time;
+      Identification found = identify(blobs, target_, options.identify);
+      if (found.fits.size() != 1) return false;
+      TargetFit& other = found.fits.front();
+      if (match().pixels_apart(fit.T_camera_target, other.T_camera_target) <= options.gate)
+        return false;
+      match().refine(other, blobs, false);
+      rival_ = Hypothesis{std::move(other), {}, 0.0, 0};
+      rival_->history.push_back({time, rival_->fit.T_camera_target});
+    }
+    // Ahead in most of the frames, for a stranger among the blobs may be so in one.
+    rival_->ahead += rival_->fit.matches > fit.matches ||
+                             (rival_->fit.matches == fit.matches && rival_->fit.score < fit.score)
+                         ? 1
+                         : -1;
+    if (rival_->ahead < 0) rival_.reset();
+    return rival_ && rival_->ahead >= options.recheck_frames;
   }
   PredictedMatch<Camera> match() const { return {camera_, target_, options}; }
   TrackedFrame accept(double time, TargetFit fit) {
@@ -194,21 +241,14 @@ class TargetTracker {
       match().refine(f, blobs, false);  // for the spheres
       const double score = f.score;
       std::vector<TimedPose> history{{time, f.T_camera_target}};
-      hypotheses_.push_back({std::move(f), std::move(history), score});
+      hypotheses_.push_back({std::move(f), std::move(history), score, 0});
     }
   }
   /// Every hypothesis on its own way; those that no longer fit are dropped.
   void follow(double time, std::span<const Observation> blobs) {
     std::vector<Hypothesis> next;
     for (Hypothesis& h : hypotheses_) {
-      const Pose predicted = motion(h.history, time);
-      auto fit = match().near(predicted, blobs);
-      if (!fit) continue;
-      h.history.push_back({time, fit->T_camera_target});
-      if (h.history.size() > motion.samples()) h.history.erase(h.history.begin());
-      h.score += fit->chi_square;
-      h.fit = std::move(*fit);
-      next.push_back(std::move(h));
+      if (goes_on(h, time, blobs)) next.push_back(std::move(h));
     }
     std::stable_sort(next.begin(), next.end(),
                      [](const Hypothesis& a, const Hypothesis& b) { return a.score < b.score; });
@@ -234,9 +274,10 @@ class TargetTracker {
   MarkerTarget target_;
   TrackState state_ = TrackState::start_up;
   std::vector<TimedPose> history_;
+  std::optional<Hypothesis> rival_;  // of what is tracked
   std::vector<Hypothesis> hypotheses_;
   Matrix6 covariance_ = Matrix6::Zero();
-  double time_ = 0.0, last_seen_ = 0.0, last_step_ = 0.1;
+  double time_ = 0.0, last_seen_ = 0.0, checked_ = 0.0, last_step_ = 0.1;
   bool started_ = false, was_tracked_ = false;
 };
 }  // namespace surfleet
