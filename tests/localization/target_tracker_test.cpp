@@ -117,8 +117,7 @@ TEST(a_pose_that_fits_by_chance_is_not_followed_for_ever) {
         Pose T = flight(t);
         if (t > (jump - 0.5) / 30.0)
           T.linear() =
-              T.linear() *
-              Eigen::AngleAxisd(kPi, Eigen::Vector3d::Unit(axis)).toRotationMatrix();
+              T.linear() * Eigen::AngleAxisd(kPi, Eigen::Vector3d::Unit(axis)).toRotationMatrix();
         return T;
       };
       const Seen seen = follow(
