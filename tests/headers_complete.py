@@ -79,7 +79,7 @@ for name, text in code.items():
             wrong.append(f"{name}: std::{match.group(1)}, but not <{header}>")
     known = set(re.findall(r"(?:struct|class|enum class|using|typename|concept|union) (\w+)", text))
     known |= set(re.findall(r"[<,] ?(?:\w+) (\w+)(?= ?[=,>])", text))  # template parameters
-    known |= set(re.findall(r"[\w>&*\]] [*&]?(\w+)\(", re.sub(r"\b(?:return|else|co_return) ", "return(", text)))
+    known |= set(re.findall(r"[\w>&*\]] [*&]?(\w+)\(", re.sub(r"\b(?:return|throw|else|new|case|and|or|not) ", "return(", text)))
     known |= set(re.findall(r"[\w>&*] (\w+)(?=[,)])", text)) | set(re.findall(r"\{ (\w+)\(", text))  # parameters, required
     known |= set(re.findall(r"\bauto (\w+) = ", text)) | set(re.findall(r"[\w>&*] (\w+)(?: = [^;]*|\{[^;]*)?;", text))
     for match in re.finditer(r"(?<![\w.>:])(?:surfleet::|detail::)*([A-Za-z]\w*)", text):

@@ -8,6 +8,7 @@
 #include <surfleet/simulation/agreeing_judges.hpp>
 #include <surfleet/simulation/climbing_scenes.hpp>
 #include <surfleet/simulation/depth_camera.hpp>
+#include <surfleet/simulation/distributed_mission.hpp>
 #include <surfleet/simulation/distributed_simulation.hpp>
 #include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/fly_distributed.hpp>

@@ -22,7 +22,7 @@
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/fleet/distributed_agent.hpp>
 #include <surfleet/fleet/impaired.hpp>
-#include <surfleet/simulation/fly_distributed.hpp>
+#include <surfleet/simulation/distributed_mission.hpp>
 #include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/simulated_drone.hpp>
 

@@ -7,44 +7,14 @@
 ///                         [](RobotId) { return make_planner("tsga"); });
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <span>
-#include <vector>
 
 #include <surfleet/core/compiled.hpp>
-#include <surfleet/fleet/distributed_options.hpp>
-#include <surfleet/fleet/impaired.hpp>
-#include <surfleet/fleet/packet.hpp>
+#include <surfleet/simulation/distributed_mission.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
 
 namespace surfleet {
-/// Something that befalls a robot at a time.
-struct FleetEvent {
-  enum class Kind : std::uint8_t { killed, vanished };
-  double time = 0.0;  ///< [s]
-  RobotId robot = 0;
-  Kind kind = Kind::killed;  ///< Its process ends; its body hovers where it is, or is gone.
-};
-
-struct DistributedOptions {
-  NetworkConditions network{};
-  DistributedAgentOptions agent{};
-  std::vector<FleetEvent> events{};
-};
-
-struct DistributedResult {
-  MissionResult mission;    ///< `coverage` and `remaining` are of the first robot that is left.
-  bool maps_equal = false;  ///< All that are left hold the same map, every voxel.
-  std::vector<std::uint64_t> bytes_sent;  ///< One a robot.
-  std::array<std::uint64_t, kMessageKinds> bytes_by_kind{};
-  std::array<std::uint64_t, kNetworkDrops> dropped{};
-  std::size_t redundant_stops = 0;
-  std::vector<RobotId> lost;  ///< Killed or vanished.
-};
-
 struct FlownDistributed {
   DistributedResult result;
   TsdfMap map;  ///< Of the first robot that is left.

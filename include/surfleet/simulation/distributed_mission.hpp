@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief What a simulated mission of a distributed fleet is set to, and what it comes to.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <surfleet/fleet/distributed_options.hpp>
+#include <surfleet/fleet/impaired.hpp>
+#include <surfleet/fleet/packet.hpp>
+#include <surfleet/simulation/mission.hpp>
+
+namespace surfleet {
+/// Something that befalls a robot at a time.
+struct FleetEvent {
+  enum class Kind : std::uint8_t { killed, vanished };
+  double time = 0.0;  ///< [s]
+  RobotId robot = 0;
+  Kind kind = Kind::killed;  ///< Its process ends; its body hovers where it is, or is gone.
+};
+
+struct DistributedOptions {
+  NetworkConditions network{};
+  DistributedAgentOptions agent{};
+  std::vector<FleetEvent> events{};
+};
+
+struct DistributedResult {
+  MissionResult mission;    ///< `coverage` and `remaining` are of the first robot that is left.
+  bool maps_equal = false;  ///< All that are left hold the same map, every voxel.
+  std::vector<std::uint64_t> bytes_sent;  ///< One a robot.
+  std::array<std::uint64_t, kMessageKinds> bytes_by_kind{};
+  std::array<std::uint64_t, kNetworkDrops> dropped{};
+  std::size_t redundant_stops = 0;
+  std::vector<RobotId> lost;  ///< Killed or vanished.
+};
+}  // namespace surfleet
