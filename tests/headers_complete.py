@@ -26,13 +26,17 @@ STANDARD = {
     "unordered_map": "unordered_map", "unordered_set": "unordered_set", "utility": "pair move swap exchange as_const",
     "variant": "variant visit monostate get_if holds_alternative", "vector": "vector",
 }
+EIGEN = {"Eigenvalues": "SelfAdjointEigenSolver EigenSolver", "SVD": "JacobiSVD BDCSVD", "Cholesky": "LLT LDLT",
+         "LU": "FullPivLU PartialPivLU", "QR": "HouseholderQR ColPivHouseholderQR",
+         "Geometry": "AngleAxisd Quaterniond Isometry3d AlignedBox Rotation2Dd Hyperplane"}
 # What standard headers, and Eigen, include by what they promise.
 PARENTS = {"fstream": ["istream", "ostream"], "sstream": ["istream", "ostream", "string"], "iostream": ["istream", "ostream"],
            "istream": ["ostream"], "map": ["utility"], "unordered_map": ["utility"], "vector": [], "algorithm": ["utility"],
            "tuple": ["utility"], "functional": ["utility", "tuple"], "memory": ["utility", "tuple"], "optional": ["utility"],
            "variant": ["utility"], "iomanip": ["istream", "ostream"], "filesystem": ["string", "memory"], "queue": ["vector", "deque"],
            "span": ["array"], "array": ["utility"], "string": ["string_view", "utility"], "random": ["string", "cmath", "limits"],
-           "thread": ["memory"], "Eigen": ["cmath", "limits", "algorithm", "functional", "cstdint", "utility", "string", "istream"]}
+           "thread": ["memory"], "Eigen/Geometry": ["Eigen/SVD", "Eigen/LU"], "Eigen/Eigenvalues": ["Eigen/Cholesky", "Eigen/Geometry"],
+           "Eigen": ["cmath", "limits", "algorithm", "functional", "cstdint", "utility", "string", "istream"]}
 
 root = pathlib.Path(sys.argv[1])
 headers = {str(path.relative_to(root)): path.read_text(encoding="utf-8") for path in sorted(root.rglob("*.hpp"))}
@@ -56,7 +60,7 @@ def closure(name):
         if at in found:
             continue
         found.add(at)
-        queue += includes.get(at, []) + PARENTS.get("Eigen" if at.startswith("Eigen/") else at, [])
+        queue += includes.get(at, []) + PARENTS.get(at, []) + (PARENTS["Eigen"] if at.startswith("Eigen/") else [])
     return frozenset(found)
 
 
@@ -70,6 +74,7 @@ for name, text in code.items():
             declared.setdefault(match.group(1), set()).add(name)
 
 standard = {word: header for header, words in STANDARD.items() for word in words.split()}
+eigen = {word: header for header, words in EIGEN.items() for word in words.split()}
 wrong = []
 for name, text in code.items():
     near = closure(name)
@@ -77,9 +82,13 @@ for name, text in code.items():
         header = standard.get(match.group(1))
         if header and header not in near:
             wrong.append(f"{name}: std::{match.group(1)}, but not <{header}>")
+    for match in re.finditer(r"\bEigen::(\w+)", text):
+        header = eigen.get(match.group(1))
+        if header and not {f"Eigen/{header}", "Eigen/Dense"} & near:
+            wrong.append(f"{name}: Eigen::{match.group(1)}, but not <Eigen/{header}>")
     known = set(re.findall(r"(?:struct|class|enum class|using|typename|concept|union) (\w+)", text))
     known |= set(re.findall(r"[<,] ?(?:\w+) (\w+)(?= ?[=,>])", text))  # template parameters
-    known |= set(re.findall(r"[\w>&*\]] [*&]?(\w+)\(", re.sub(r"\b(?:return|throw|else|new|case|and|or|not) ", "return(", text)))
+    known |= set(re.findall(r"(?:[\w>\]]|[\w>][&*]) (\w+)\(", re.sub(r"\b(?:return|throw|else|new|case|and|or|not) ", "return(", text)))
     known |= set(re.findall(r"[\w>&*] (\w+)(?=[,)])", text)) | set(re.findall(r"\{ (\w+)\(", text))  # parameters, required
     known |= set(re.findall(r"\bauto (\w+) = ", text)) | set(re.findall(r"[\w>&*] (\w+)(?: = [^;]*|\{[^;]*)?;", text))
     for match in re.finditer(r"(?<![\w.>:])(?:surfleet::|detail::)*([A-Za-z]\w*)", text):
