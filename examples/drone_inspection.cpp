@@ -55,8 +55,7 @@ int run(int argc, char** argv) {
   const InspectionSettings& s = a.settings;
   InspectionSite site(open_scene(s), s);
   // Whatever can be refused is refused before the first file is made.
-  const auto begun = begun_map(s);
-  if (s.architecture == "distributed") distributed_options(s);
+  const InspectionInputs inputs = read_inputs(s);
   site.find_reference(s, site.starts(s, s.robots).front().position);
   const auto out = cli::prepare_output_folder(a.out);
   if (!s.save_images.empty()) cli::prepare_output_folder(s.save_images);
@@ -78,7 +77,7 @@ int run(int argc, char** argv) {
         line(text);
         return !cli::interrupted();
       },
-      begun ? &*begun : nullptr);
+      inputs);
   line.finish();
   // The reconstruction comes first, so that it is there whatever happens to the rest.
   write_inspection(out, run);

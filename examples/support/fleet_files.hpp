@@ -11,11 +11,11 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <fstream>
-#include <optional>
 #include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
@@ -27,15 +27,28 @@
 
 namespace surfleet::examples {
 namespace fleet_files {
-/// Words of an entry, taken one after the other; what is wrong is told with the whole of it.
+/// Words and marks of an entry, taken one after the other; what is wrong is told with all of it.
 class Entry {
  public:
   Entry(const std::string& text, const std::string& form, int robots)
       : why_("\"" + text + "\": expected \"" + form + "\" with robots 1 to " +
              std::to_string(robots)),
-        robots_(robots),
-        words_(text) {}
+        robots_(robots) {
+    std::string apart;
+    for (const char c : text)
+      apart += c == ':' || c == '|' || c == '>' ? std::string{' ', c, ' '} : std::string{c};
+    std::istringstream words(apart);
+    for (std::string word; words >> word;) words_.push_back(word);
+  }
 
+  bool more() const { return next_ < words_.size(); }
+  bool take(const std::string& mark) {
+    const bool there = more() && words_[next_] == mark;
+    next_ += there ? 1 : 0;
+    return there;
+  }
+  void expect(const std::string& mark) { require(take(mark), why_); }
+  void end() const { require(!more(), why_); }
   double time() {
     const auto t = parse_number<double>(word());
     require(t && *t >= 0.0 && std::isfinite(*t), why_);
@@ -46,53 +59,33 @@ class Entry {
     require(id && *id >= 1 && *id <= robots_, why_);
     return static_cast<RobotId>(*id - 1);
   }
-  void expect(const std::string& mark) { require(word() == mark, why_); }
-  bool more() {
-    words_ >> std::ws;
-    return !words_.eof();
+  /// FROM to UNTIL:
+  template <typename Span>
+  void span(Span& of) {
+    of.from = time();
+    expect("to");
+    of.until = time();
+    expect(":");
   }
-  bool take(char mark) {
-    if (!more() || words_.peek() != mark) return false;
-    words_.get();
-    return true;
-  }
-  void end() { require(!more(), why_); }
 
  private:
-  std::string word() {
-    std::string w;
-    require(static_cast<bool>(words_ >> w), why_);
-    return w;
+  const std::string& word() {
+    require(more(), why_);
+    return words_[next_++];
   }
   std::string why_;
   int robots_;
-  std::istringstream words_;
+  std::vector<std::string> words_;
+  std::size_t next_ = 0;
 };
 
-/// A colon ends the times whether or not a blank is before it.
-inline std::string with_marks_apart(const std::string& text) {
-  std::string apart;
-  for (const char c : text) {
-    if (c == ':' || c == '|' || c == '>') {
-      apart += ' ';
-      apart += c;
-      apart += ' ';
-    } else {
-      apart += c;
-    }
-  }
-  return apart;
-}
 inline NetworkPartition partition(const std::string& text, int robots) {
-  Entry e(with_marks_apart(text), "FROM to UNTIL: 1 2 | 3 ...", robots);
+  Entry e(text, "FROM to UNTIL: 1 2 | 3 ...", robots);
   NetworkPartition p;
-  p.from = e.time();
-  e.expect("to");
-  p.until = e.time();
-  e.expect(":");
+  e.span(p);
   p.groups.emplace_back();
   while (e.more()) {
-    if (e.take('|'))
+    if (e.take("|"))
       p.groups.emplace_back();
     else
       p.groups.back().push_back(e.robot());
@@ -100,12 +93,9 @@ inline NetworkPartition partition(const std::string& text, int robots) {
   return p;
 }
 inline OneWayCut cut(const std::string& text, int robots) {
-  Entry e(with_marks_apart(text), "FROM to UNTIL: SENDER > RECEIVER", robots);
+  Entry e(text, "FROM to UNTIL: SENDER > RECEIVER", robots);
   OneWayCut c;
-  c.from = e.time();
-  e.expect("to");
-  c.until = e.time();
-  e.expect(":");
+  e.span(c);
   c.sender = e.robot();
   e.expect(">");
   c.receiver = e.robot();
@@ -140,10 +130,9 @@ void read(const std::string& option, const std::string& file, const char* expect
 /// perfect, wifi, poor, or a file. Throws `Error`.
 inline NetworkConditions network_conditions(const std::string& name, int robots,
                                             std::uint64_t seed) {
-  NetworkConditions n;
-  if (name == "perfect" || name == "wifi" || name == "poor") {
-    n = NetworkConditions::named(name);
-  } else {
+  const auto known = NetworkConditions::find(name);
+  NetworkConditions n = known.value_or(NetworkConditions{});
+  if (!known)
     fleet_files::read("--network", name, "perfect, wifi, poor or a file",
                       [&](cli::Options& o, std::istream& in) {
                         std::vector<std::string> partitions, cuts;
@@ -163,7 +152,6 @@ inline NetworkConditions network_conditions(const std::string& name, int robots,
                           n.cuts.push_back(fleet_files::cut(c, robots));
                         n.check();
                       });
-  }
   n.seed = seed;
   return n;
 }

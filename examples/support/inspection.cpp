@@ -187,33 +187,31 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   return o;
 }
 
-DistributedOptions distributed_options(const InspectionSettings& s) {
-  DistributedOptions o;
-  o.network = network_conditions(s.network, s.robots, s.seed);
-  o.events = fleet_events(s.events, s.robots);
-  o.agent.patch_images = static_cast<std::uint32_t>(s.patch_images);
-  o.agent.memory_of_lost = s.wait_for_team;
-  o.agent.redundancy.radius = 0.5 * s.cluster_radius;
-  return o;
-}
-
 TriangleMesh reconstruction_of(const TsdfMap& map, const InspectionSettings& s,
                                const Box3& region) {
   return cropped(extract_surface(map, {.min_weight = s.known_weight, .threads = s.threads}),
                  region);
 }
 
-std::optional<TsdfMap> begun_map(const InspectionSettings& s) {
-  if (s.begun.empty()) return std::nullopt;
-  TsdfMap map = load_map(std::filesystem::path(s.begun) / "map.sfm");
-  require(map.voxel_size() == s.voxel, "--continue " + s.begun + ": its voxels are of " +
-                                           std::to_string(map.voxel_size()) +
-                                           " m; expected --voxel to say so");
-  return map;
+InspectionInputs read_inputs(const InspectionSettings& s) {
+  InspectionInputs in;
+  if (!s.begun.empty()) {
+    in.begun = load_map(std::filesystem::path(s.begun) / "map.sfm");
+    require(in.begun->voxel_size() == s.voxel, "--continue " + s.begun + ": its voxels are of " +
+                                                   std::to_string(in.begun->voxel_size()) +
+                                                   " m; expected --voxel to say so");
+  }
+  DistributedOptions& o = in.distributed;
+  o.network = network_conditions(s.network, s.robots, s.seed);
+  o.events = fleet_events(s.events, s.robots);
+  o.agent.patch_images = static_cast<std::uint32_t>(s.patch_images);
+  o.agent.memory_of_lost = s.wait_for_team;
+  o.agent.redundancy.radius = 0.5 * s.cluster_radius;
+  return in;
 }
 
 InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
-                             const MissionWatch& progress, const TsdfMap* begun) {
+                             const MissionWatch& progress, const InspectionInputs& inputs) {
   const std::vector<Configuration> starts = site.starts(s, s.robots);
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
@@ -222,7 +220,7 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     const auto before = Clock::now();
     Clock::duration watched{};
     MissionOptions options = mission_options(s, site);
-    options.begun = begun;
+    options.begun = inputs.begun ? &*inputs.begun : nullptr;
     const MissionWatch watch = [&](const MissionProgress& p, const TsdfMap& map) {
       const auto asked = Clock::now();
       const bool go_on = progress(p, map);
@@ -232,7 +230,7 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     if (s.architecture == "distributed") {
       const auto planner = [&](RobotId) { return make_planner(s.planner, s.planner_settings()); };
       FlownDistributed flown =
-          fly_distributed(options, distributed_options(s), world, starts, planner, watch);
+          fly_distributed(options, inputs.distributed, world, starts, planner, watch);
       run.result = std::move(flown.result.mission);
       run.distributed = std::move(flown.result);
       run.map = std::move(flown.map);
@@ -298,16 +296,27 @@ double coverage_of_met(const InspectionSettings& s, const InspectionSite& site, 
 }
 }  // namespace
 
+namespace {
+/// Who has left the mission has no place for the rest of it.
+void end_of_lost(std::vector<std::vector<Point3>>& paths, std::span<const RobotId> lost) {
+  std::size_t instants = 0;
+  for (const auto& path : paths) instants = std::max(instants, path.size());
+  for (const RobotId r : lost) paths[r].resize(instants, Point3::Constant(JudgeReport::kNone));
+}
+}  // namespace
+
 InspectionJudgement judge_inspection(const InspectionSettings& s, const InspectionSite& site,
                                      const InspectionRun& run) {
   const AgreeingJudges both(site.judge, site.space.surface());
+  std::vector<std::vector<Point3>> present = run.paths();
+  if (run.distributed) end_of_lost(present, run.distributed->lost);
   InspectionJudgement judged{.evaluation = evaluate_mesh(s, site, run.reconstruction),
                              .points = {},
-                             .paths = judge_paths(both, run.paths(), s.radius)};
+                             .paths = judge_paths(both, present, s.radius)};
   judged.disagreement = both.largest_disagreement();
   judged.disagreements = both.disagreements();
   judged.keep_out_violations =
-      judge_paths(site.scene.keep_out, run.paths(), s.radius).collisions_with_scene;
+      judge_paths(site.scene.keep_out, present, s.radius).collisions_with_scene;
   judged.coverage_of_met = coverage_of_met(s, site, run.map, judged.evaluation);
   if (!run.points.points.empty()) {
     const TriangleMesh structure = site.scene.structure();

@@ -55,8 +55,6 @@ struct InspectionSite {
   void find_reference(const InspectionSettings& settings, const Point3& start);
 };
 
-/// Throws `Error` for a network or events that cannot be.
-DistributedOptions distributed_options(const InspectionSettings& s);
 MissionOptions mission_options(const InspectionSettings& s, const InspectionSite& site);
 
 /// What is handed over of a map, and judged, while a mission is under way and at its end: the
@@ -87,12 +85,17 @@ struct InspectionJudgement {
   int keep_out_violations = 0;    ///< Times that a body came into a closed box.
 };
 
-/// The map of the mission that is gone on with, if any. Throws `Error` if it cannot be.
-std::optional<TsdfMap> begun_map(const InspectionSettings& s);
+/// What a mission takes from files beside its scene.
+struct InspectionInputs {
+  std::optional<TsdfMap> begun;  ///< The map that is gone on from, if any.
+  DistributedOptions distributed;
+};
+/// Throws `Error` for files that cannot be used.
+InspectionInputs read_inputs(const InspectionSettings& s);
 
-/// `wall_time` leaves out what `progress` takes; `begun` is the map to go on from, if any.
+/// `wall_time` leaves out what `progress` takes.
 InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& site,
-                             const MissionWatch& progress, const TsdfMap* begun = nullptr);
+                             const MissionWatch& progress, const InspectionInputs& inputs = {});
 /// The errors of `mesh` against the site's reference, which must have been found.
 ReconstructionEvaluation evaluate_mesh(const InspectionSettings& s, const InspectionSite& site,
                                        const TriangleMesh& mesh);

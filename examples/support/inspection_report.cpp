@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -31,12 +30,11 @@ std::string doubts(const InspectionJudgement& judged) {
 namespace {
 /// What a distributed fleet has besides.
 nlohmann::json network_metrics(const InspectionSettings& s, const DistributedResult& d) {
-  constexpr const char* kKinds[] = {"state", "route", "digest", "request", "patch"};
-  constexpr const char* kDrops[] = {"loss", "out_of_range", "partition", "queue"};
-  static_assert(std::size(kKinds) == kMessageKinds && std::size(kDrops) == kNetworkDrops);
   nlohmann::json kinds, drops, lost = nlohmann::json::array();
-  for (std::size_t k = 0; k < kMessageKinds; ++k) kinds[kKinds[k]] = d.bytes_by_kind[k];
-  for (std::size_t k = 0; k < kNetworkDrops; ++k) drops[kDrops[k]] = d.dropped[k];
+  for (std::size_t k = 0; k < kMessageKinds; ++k)
+    kinds[std::string(name_of(static_cast<MessageKind>(k)))] = d.bytes_by_kind[k];
+  for (std::size_t k = 0; k < kNetworkDrops; ++k)
+    drops[std::string(name_of(static_cast<NetworkDrop>(k)))] = d.dropped[k];
   for (const RobotId r : d.lost) lost.push_back(r + 1);
   return {{"network", s.network},
           {"bytes_sent", d.bytes_sent},

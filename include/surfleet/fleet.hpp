@@ -6,6 +6,7 @@
 #include <surfleet/fleet/fwd.hpp>
 
 #include <surfleet/fleet/agent.hpp>
+#include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/central_planning.hpp>
 #include <surfleet/fleet/distributed_agent.hpp>
 #include <surfleet/fleet/distributed_options.hpp>
@@ -16,6 +17,7 @@
 #include <surfleet/fleet/packet.hpp>
 #include <surfleet/fleet/patch_ids.hpp>
 #include <surfleet/fleet/patch_sync.hpp>
+#include <surfleet/fleet/plan_requests.hpp>
 #include <surfleet/fleet/redundancy.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/robot_news.hpp>

@@ -19,6 +19,7 @@
 #include <surfleet/simulation/marker_sight.hpp>
 #include <surfleet/simulation/mesh_map.hpp>
 #include <surfleet/simulation/mission.hpp>
+#include <surfleet/simulation/mission_record.hpp>
 #include <surfleet/simulation/planar_environments.hpp>
 #include <surfleet/simulation/powerplant.hpp>
 #include <surfleet/simulation/presets.hpp>

@@ -3,13 +3,12 @@
 # thread and on two.
 set -eu
 . "$(dirname "$0")/support.sh"
-strip() { grep -vE '"(wall_time_s|planning_time_s|(mission_)?peak_memory_bytes)"' "$1"; }
 for planner in surfleet tsga nnb nnb-exclusive tsga-async tsga-improved makespan rate tours; do
   for threads in 1 2; do
     "$bin/drone_inspection" --scene house --robots 3 --planner $planner --threads $threads --quiet \
       --out $planner$threads >stdout.txt
   done
-  diff <(strip ${planner}1/metrics.json) <(strip ${planner}2/metrics.json)
+  diff <(lasting ${planner}1) <(lasting ${planner}2)
   grep -q '"complete": true' ${planner}1/metrics.json
   grep -q '"collisions": 0' ${planner}1/metrics.json
   # Standing still shows less than this.

@@ -7,6 +7,9 @@ cd "$work" || exit 1
 # value FOLDER KEY: what its metrics.json says first of a key.
 value() { grep "\"$2\":" "$1/metrics.json" | head -n 1 | sed 's/.*: //; s/,.*//'; }
 
+# lasting FOLDER: its metrics.json without what depends on the machine.
+lasting() { grep -vE '"(wall_time_s|planning_time_s|(mission_)?peak_memory_bytes)"' "$1/metrics.json"; }
+
 # fail WORDS: says them and ends the test.
 fail() { echo "$*"; exit 1; }
 

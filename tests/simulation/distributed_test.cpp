@@ -12,14 +12,13 @@
 namespace {
 using namespace surfleet;
 
-DistributedResult fly_distributed(int robots, const DistributedOptions& d, int threads = 1,
-                                  double* clearance = nullptr, const char* planner = "tsga") {
+DistributedResult fly(int robots, const DistributedOptions& d, int threads = 1) {
   box_world::World world;
   MissionOptions o = box_world::options(world);
   o.threads = threads;
   DistributedSimulation<box_world::World> simulation(
       o, d, world, box_world::starts(robots),
-      [&](RobotId) { return make_planner(planner, {.standoff = 2.0}); });
+      [&](RobotId) { return make_planner("tsga", {.standoff = 2.0}); });
   DistributedResult result = simulation.run();
   double least = 1e9;
   const auto& all = result.mission.trajectories;
@@ -32,13 +31,12 @@ DistributedResult fly_distributed(int robots, const DistributedOptions& d, int t
               least, (all[r][k].configuration.position - all[s][k].configuration.position).norm());
     }
   CHECK(least > 0.8);
-  if (clearance != nullptr) *clearance = least;
   return result;
 }
 
 TEST(a_distributed_fleet_ends_with_equal_maps) {
   for (const char* name : {"perfect", "wifi", "poor"}) {
-    const DistributedResult r = fly_distributed(3, {.network = NetworkConditions::named(name)});
+    const DistributedResult r = fly(3, {.network = NetworkConditions::named(name)});
     CHECK(r.mission.complete && r.maps_equal && r.lost.empty());
     CHECK(r.mission.coverage.share() > 0.9);
     CHECK(r.mission.total_path_length() > 5.0);
@@ -48,12 +46,12 @@ TEST(a_distributed_fleet_ends_with_equal_maps) {
   }
 }
 TEST(one_robot_of_a_distributed_fleet_works_alone) {
-  const DistributedResult r = fly_distributed(1, {});
+  const DistributedResult r = fly(1, {});
   CHECK(r.mission.complete && r.maps_equal && r.mission.coverage.share() > 0.9);
 }
 TEST(threads_change_nothing_of_a_distributed_fleet) {
   const DistributedOptions d{.network = NetworkConditions::named("poor")};
-  const DistributedResult a = fly_distributed(2, d, 1), b = fly_distributed(2, d, 2);
+  const DistributedResult a = fly(2, d, 1), b = fly(2, d, 2);
   CHECK(a.mission.completion_time == b.mission.completion_time);
   CHECK(a.bytes_sent == b.bytes_sent);
   for (std::size_t r = 0; r < 2; ++r)
@@ -65,7 +63,7 @@ TEST(a_fleet_goes_on_without_who_is_lost) {
     for (const double time : {3.0, 20.0}) {
       DistributedOptions d;
       d.events = {{.time = time, .robot = 1, .kind = kind}};
-      const DistributedResult r = fly_distributed(3, d);
+      const DistributedResult r = fly(3, d);
       CHECK(r.mission.complete && r.maps_equal && r.lost.size() == 1);
       CHECK(r.mission.coverage.share() > 0.9);
     }
@@ -73,7 +71,7 @@ TEST(a_fleet_goes_on_without_who_is_lost) {
 TEST(a_parted_fleet_comes_together) {
   DistributedOptions d;
   d.network.partitions = {{.from = 2.0, .until = 30.0, .groups = {{0}, {1, 2}}}};
-  const DistributedResult r = fly_distributed(3, d);
+  const DistributedResult r = fly(3, d);
   CHECK(r.mission.complete && r.maps_equal && r.mission.coverage.share() > 0.9);
   CHECK(r.dropped[static_cast<std::size_t>(NetworkDrop::partition)] > 0);
 }

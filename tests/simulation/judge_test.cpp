@@ -78,7 +78,7 @@ TEST(a_robot_that_is_gone_is_in_nobodys_way) {
   std::vector<std::vector<Point3>> paths{{{0, 0, 5}, {10, 0, 5}, {20, 0, 5}},
                                          {{20, 0, 5}, {20, 0, 5}, {20, 0, 5}}};
   CHECK(judge_paths(ground, paths, 1.0).collisions_of_robots == 1);
-  paths[1].pop_back();
+  paths[1].back() = Point3::Constant(JudgeReport::kNone);
   CHECK(judge_paths(ground, paths, 1.0).collisions == 0);
   std::swap(paths[0], paths[1]);
   CHECK(judge_paths(ground, paths, 1.0).collisions == 0);
@@ -90,6 +90,8 @@ TEST(judge_refuses_nonsense) {
   Judge judge(ground, 1.0);
   judge.observe(std::vector<Point3>{{0, 0, 5}});
   CHECK_THROWS(Error, judge.observe(std::vector<Point3>{{0, 0, 5}, {9, 9, 9}}));
+  const std::vector<std::vector<Point3>> uneven{{{0, 0, 1}}, {}};
+  CHECK_THROWS(Error, judge_paths(ground, uneven, 1.0));
   CHECK(judge_paths(ground, {}, 1.0).collisions == 0);
 }
 

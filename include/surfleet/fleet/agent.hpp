@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/endurance.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
@@ -83,21 +84,13 @@ class Agent {
             .idle = route_.empty(),
             .held = held_ && body_->standing(),
             .cornered = traffic_.cornered(time),
-            .first = retired_.has_value()};
+            .first = retired_.has_value()};  // a charge does not wait
   }
   /// Of its motion, for the others.
   TrafficAgent announce(double time) const {
-    TrafficAgent t;
-    t.id = static_cast<int>(id_);
-    t.position = body_->estimate().position;
+    TrafficAgent t = as_traffic(state(time), kind());
     // One that brakes still moves, whatever it is about.
-    if (moving() || !body_->standing()) t.path = body_->remaining();
-    t.radius = kind().body_radius;
-    t.priority = retired_ ? 1.0 : 0.0;  // a charge does not wait
-    t.speed = kind().limits.speed;
-    t.idle = route_.empty();
-    t.cornered = traffic_.cornered(time);
-    t.held = held_ && body_->standing();
+    if (!moving() && body_->standing()) t.path.clear();
     return t;
   }
   /// Whether it still has its first look around.

@@ -3,15 +3,12 @@
 /// @brief One planner for a whole fleet on one belief: the single and the centralised architecture.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <span>
 #include <utility>
 #include <vector>
 
 #include <surfleet/fleet/agent.hpp>
+#include <surfleet/fleet/plan_requests.hpp>
 #include <surfleet/planning/plan.hpp>
 
 namespace surfleet {
@@ -19,15 +16,13 @@ namespace surfleet {
 template <FleetPlanner Planner>
 class CentralPlanning {
  public:
-  Planner planner;
-  /// Told of every question and its answer, before the answer is carried out.
-  std::function<void(const SurfaceSituation&, const Plan&)> on_plan;
+  PlanRequests<Planner> requests;
 
   /// A robot goes home when no part of the route it is given shows that much new surface for a
   /// metre flown, by what the route is made for [m²/m]; 0: never.
   double least_gain = 0.0;
 
-  explicit CentralPlanning(Planner p = {}) : planner(std::move(p)) {}
+  explicit CentralPlanning(Planner p = {}) : requests(std::move(p)) {}
 
   /// Plans if that is due, hands out the routes, and lets everybody set out. `agents` are the
   /// team's, by ascending id. Nothing while anybody still looks around for the first time.
@@ -45,14 +40,8 @@ class CentralPlanning {
   /// time after time nothing that can be reached.
   template <typename Agents>
   bool finished(const Agents& agents, const SurfaceBelief& belief) const {
-    return all_at_rest(agents) && planned_revision_ == belief.known().grid().revision() &&
-           (nothing_planned_ || vain_plans_ > belief.options().looks.max_failures);
+    return all_at_rest(agents) && requests.exhausted(belief);
   }
-
-  /// The elements that the last plan had no way to see.
-  const std::vector<std::pair<VoxelIndex, LeftReason>>& impossible() const { return impossible_; }
-  std::size_t plans() const { return plans_; }
-  double planning_time() const { return planning_time_; }  ///< Of the machine [s].
 
  private:
   template <typename Agents>
@@ -71,23 +60,7 @@ class CentralPlanning {
       if (a->is_free()) asked.push_back(team.back().id);
       departures += a->departures();
     }
-    if (std::exchange(departures_, departures) != departures) vain_plans_ = 0;
-    if (all_at_rest(agents)) ++vain_plans_;
-    const SurfaceSituation situation{.belief = belief,
-                                     .goals = belief.goals(),
-                                     .asked = asked,
-                                     .team = team,
-                                     .time = time,
-                                     .seed = plans_};
-    const auto before = std::chrono::steady_clock::now();
-    Plan plan = ask(planner, situation);
-    planning_time_ +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-    ++plans_;
-    if (on_plan) on_plan(situation, plan);
-    planned_revision_ = belief.known().grid().revision();
-    nothing_planned_ = plan.nothing();
-    impossible_ = std::move(plan.impossible);
+    Plan plan = requests(belief, asked, team, departures, all_at_rest(agents), time);
     for (std::size_t k = 0; k < team.size(); ++k)
       if (const auto route = plan.routes.find(team[k].id); route != plan.routes.end()) {
         if (is_enough(belief, team[k], route->second))
@@ -112,12 +85,5 @@ class CentralPlanning {
     }
     return true;
   }
-
-  std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;
-  std::uint64_t planned_revision_ = ~std::uint64_t{0};
-  bool nothing_planned_ = false;
-  int vain_plans_ = 0;  // made with all at rest, since a robot last set out
-  std::size_t departures_ = 0, plans_ = 0;
-  double planning_time_ = 0.0;
 };
 }  // namespace surfleet

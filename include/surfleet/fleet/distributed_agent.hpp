@@ -7,7 +7,6 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,10 +15,12 @@
 #include <vector>
 
 #include <surfleet/fleet/agent.hpp>
+#include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/distributed_options.hpp>
 #include <surfleet/fleet/message_guard.hpp>
 #include <surfleet/fleet/packet.hpp>
 #include <surfleet/fleet/patch_sync.hpp>
+#include <surfleet/fleet/plan_requests.hpp>
 #include <surfleet/fleet/redundancy.hpp>
 #include <surfleet/fleet/team_relay.hpp>
 #include <surfleet/mapping/patch_fusion.hpp>
@@ -40,43 +41,42 @@ class DistributedAgent {
   DistributedAgent(RobotId id, const RobotKind& kind, Body& body, SurfaceBeliefOptions belief,
                    AgentOptions agent, double start_clearance, Planner planner,
                    DistributedAgentOptions options = {}, Packer packer = {})
-      : DistributedAgent(Settled{}, id, kind, body, settled(std::move(belief)), agent,
+      : DistributedAgent(Checked{SurfaceBelief::checked(std::move(belief))}, id, kind, body, agent,
                          start_clearance, std::move(planner), options, std::move(packer)) {}
   DistributedAgent(const DistributedAgent&) = delete;
   DistributedAgent& operator=(const DistributedAgent&) = delete;
 
  private:
-  struct Settled {};
-  static SurfaceBeliefOptions settled(SurfaceBeliefOptions o) {
-    if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
-    return o;
-  }
-  DistributedAgent(Settled, RobotId id, const RobotKind& kind, Body& body,
-                   const SurfaceBeliefOptions& belief, AgentOptions agent, double start_clearance,
-                   Planner planner, const DistributedAgentOptions& options, Packer packer)
+  struct Checked {
+    SurfaceBeliefOptions belief;
+  };
+  DistributedAgent(const Checked& checked, RobotId id, const RobotKind& kind, Body& body,
+                   AgentOptions agent, double start_clearance, Planner planner,
+                   const DistributedAgentOptions& options, Packer packer)
       : id_(id),
         options_(options),
-        planner_(std::move(planner)),
+        requests_(std::move(planner)),
         recorder_({.robot = id,
                    .incarnation = options.incarnation,
-                   .voxel_size = belief.voxel_size,
+                   .voxel_size = checked.belief.voxel_size,
                    .images = options.patch_images},
-                  belief.tsdf,
-                  DropOffWeight<>{.full = belief.voxel_size, .zero = 1.5 * belief.voxel_size}),
-        fusion_({.voxel_size = belief.voxel_size, .truncation = belief.tsdf.truncation}),
-        belief_(belief, std::span<const RobotKind>(&kind, 1), &fusion_.map()),
+                  checked.belief.tsdf, SurfaceBelief::weight(checked.belief)),
+        fusion_({.voxel_size = checked.belief.voxel_size,
+                 .truncation = checked.belief.tsdf.truncation}),
+        belief_(checked.belief, std::span<const RobotKind>(&kind, 1), &fusion_.map()),
         agent_(id, 0, body, belief_, agent),
-        sync_(id, options.sync,
-              {.voxel_size = belief.voxel_size, .truncation = belief.tsdf.truncation},
-              std::move(packer)),
+        sync_(
+            id, options.sync,
+            {.voxel_size = checked.belief.voxel_size, .truncation = checked.belief.tsdf.truncation},
+            std::move(packer)),
         relay_(id, options.incarnation, options.relay),
         guard_(id, {.team = options.team}),
         redundant_(RedundancyCheck{options.redundancy}) {
     belief_.add_known_free(0, {body.estimate().position, start_clearance});
     belief_.update();
-    sync_.distance = [this](RobotId mate) {
+    sync_.distance = [this, &body](RobotId mate) {
       const auto last = relay_.last_of(mate, now_);
-      return last ? (last->at.position - agent_.state(now_).at.position).norm() : 1e9;
+      return last ? (last->at.position - body.estimate().position).norm() : 1e9;
     };
   }
 
@@ -102,7 +102,7 @@ class DistributedAgent {
   /// Gives way, moves, and says what there is to say. Different agents at once.
   std::vector<Message<Packet>> act(double now) {
     agent_.forget_traffic();
-    for (const RobotState& mate : recent_) agent_.hear(as_traffic(mate));
+    for (const RobotState& mate : recent_) agent_.hear(swollen(mate));
     belief_.goals();
     agent_.move(now);
     relay_.set_own(agent_.state(now));
@@ -126,10 +126,7 @@ class DistributedAgent {
 
   /// Whether it has nothing to do by its own map, and its open patch is told: what mates need to
   /// hear of it before they end.
-  bool is_done() const {
-    return agent_.at_rest() && planned_revision_ == belief_.known().grid().revision() &&
-           (nothing_planned_ || vain_plans_ > belief_.options().looks.max_failures);
-  }
+  bool is_done() const { return agent_.at_rest() && requests_.exhausted(belief_); }
   /// Whether all is over: it is done, and so is every mate of late, with the same patches.
   bool finished(double now) const {
     if (!is_done() || sync_.missing() > 0) return false;
@@ -146,10 +143,8 @@ class DistributedAgent {
   const PatchSync<Packer>& patches() const { return sync_; }
   const TeamRelay& team() const { return relay_; }
   const MessageGuard& guard() const { return guard_; }
-  std::size_t plans() const { return plans_; }
+  const PlanRequests<Planner>& plans() const { return requests_; }
   std::size_t redundant_stops() const { return redundant_stops_; }  ///< Left to mates.
-  double planning_time() const { return planning_time_; }           ///< Of the machine [s].
-  const std::vector<std::pair<VoxelIndex, LeftReason>>& impossible() const { return impossible_; }
 
  private:
   void receive(std::span<const Message<Packet>> inbox) {
@@ -161,11 +156,7 @@ class DistributedAgent {
     }
     for (const MapPatch& patch : sync_.take_arrived()) fusion_.add(patch);
     team_ = relay_.mates(now_);
-    recent_.clear();
-    for (RobotId mate = 0; mate < options_.relay.robots; ++mate)
-      if (const auto last = relay_.last_of(mate, now_);
-          last && last->age <= options_.memory_of_lost)
-        recent_.push_back(*last);
+    recent_ = relay_.mates(now_, options_.memory_of_lost);
   }
   void close_patch() {
     MapPatch patch = recorder_.close();
@@ -178,15 +169,12 @@ class DistributedAgent {
   }
   void plan() {
     if (agent_.scanning()) return;
-    const RobotState self = agent_.state(now_);
-    if (redundant_(self, team_)) {
+    if (redundant_(agent_.state(now_), team_)) {
       ++redundant_stops_;
       agent_.give_up_to_others(now_);
     }
-    if (!agent_.asks(now_) && !agent_.at_rest()) return;
-    if (agent_.at_rest() && !agent_.asks(now_) &&
-        planned_revision_ == belief_.known().grid().revision())
-      return;
+    const bool at_rest = agent_.at_rest();
+    if (!agent_.asks(now_) && (!at_rest || requests_.up_to_date(belief_))) return;
     std::vector<RobotState> team = team_;
     team.push_back(agent_.state(now_));
     std::sort(team.begin(), team.end(),
@@ -194,38 +182,13 @@ class DistributedAgent {
     std::vector<RobotId> asked;
     for (const RobotState& r : team)
       if (r.id == id_ || r.idle) asked.push_back(r.id);
-    if (std::exchange(departures_, agent_.departures()) != agent_.departures()) vain_plans_ = 0;
-    if (agent_.at_rest()) ++vain_plans_;
-    const SurfaceSituation situation{.belief = belief_,
-                                     .goals = belief_.goals(),
-                                     .asked = asked,
-                                     .team = team,
-                                     .time = now_,
-                                     .seed = plans_};
-    const auto before = std::chrono::steady_clock::now();
-    Plan plan = ask(planner_, situation);
-    planning_time_ +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-    ++plans_;
-    planned_revision_ = belief_.known().grid().revision();
-    Stops& own = plan.routes[id_];
-    nothing_planned_ = own.empty() && plan.nothing();
-    impossible_ = std::move(plan.impossible);
-    agent_.accept(std::move(own), plan.replan, now_);
+    Plan plan = requests_(belief_, asked, team, agent_.departures(), at_rest, now_);
+    agent_.accept(std::move(plan.routes[id_]), plan.replan, now_);
   }
   /// A mate not heard of late is anywhere near its path, as far as it may have come.
-  TrafficAgent as_traffic(const RobotState& mate) const {
-    const RobotKind& kind = belief_.space(0).kind;
-    TrafficAgent t;
-    t.id = static_cast<int>(mate.id);
-    t.priority = mate.first ? 1.0 : 0.0;
-    t.position = mate.at.position;
-    t.path = mate.ahead;
-    t.radius = kind.body_radius + std::min(kMostSwollen, kind.limits.speed * mate.age);
-    t.speed = kind.limits.speed;
-    t.idle = mate.idle;
-    t.cornered = mate.cornered;
-    t.held = mate.held;
+  TrafficAgent swollen(const RobotState& mate) const {
+    TrafficAgent t = as_traffic(mate, belief_.space(0).kind);
+    t.radius += std::min(kMostSwollen, t.speed * mate.age);
     return t;
   }
 
@@ -233,7 +196,7 @@ class DistributedAgent {
 
   RobotId id_;
   DistributedAgentOptions options_;
-  Planner planner_;
+  PlanRequests<Planner> requests_;
   PatchRecorder<DropOffWeight<>> recorder_;
   PatchFusion fusion_;
   SurfaceBelief belief_;
@@ -246,11 +209,6 @@ class DistributedAgent {
   std::vector<RobotState> recent_;  // and to keep clear of
   double now_ = 0.0;
   std::uint32_t said_ = 0;
-  std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;
-  std::uint64_t planned_revision_ = ~std::uint64_t{0};
-  bool nothing_planned_ = false;
-  int vain_plans_ = 0;
-  std::size_t departures_ = 0, plans_ = 0, redundant_stops_ = 0;
-  double planning_time_ = 0.0;
+  std::size_t redundant_stops_ = 0;
 };
 }  // namespace surfleet

@@ -19,6 +19,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -40,6 +41,10 @@ concept NetworkPayload = requires(const P& p) {
 /// Why a message did not arrive.
 enum class NetworkDrop : std::uint8_t { loss, out_of_range, partition, queue };
 inline constexpr std::size_t kNetworkDrops = 4;
+inline std::string_view name_of(NetworkDrop reason) {
+  constexpr std::string_view kNames[] = {"loss", "out_of_range", "partition", "queue"};
+  return kNames[static_cast<std::size_t>(reason)];
+}
 
 /// Puts conditions on whatever `Inner` carries, and counts. Time is what `advance` says: messages
 /// are sent at that time and arrive when it has come. A message that a network duplicates is

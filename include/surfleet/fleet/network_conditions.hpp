@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
@@ -75,10 +77,16 @@ struct NetworkConditions {
   }
 
   /// Of that name: perfect, wifi (2 %, 20 ms, 20 Mbit/s) or poor (30 %, 500 ± 200 ms, 1 Mbit/s).
+  static std::optional<NetworkConditions> find(std::string_view name) {
+    if (name == "perfect") return NetworkConditions{};
+    if (name == "wifi") return NetworkConditions{.loss = 0.02, .latency = 0.02, .bandwidth = 20e6};
+    if (name == "poor")
+      return NetworkConditions{.loss = 0.3, .latency = 0.5, .jitter = 0.2, .bandwidth = 1e6};
+    return std::nullopt;
+  }
+  /// The same. Throws `Error` for another name.
   static NetworkConditions named(const std::string& name) {
-    if (name == "perfect") return {};
-    if (name == "wifi") return {.loss = 0.02, .latency = 0.02, .bandwidth = 20e6};
-    if (name == "poor") return {.loss = 0.3, .latency = 0.5, .jitter = 0.2, .bandwidth = 1e6};
+    if (auto known = find(name)) return *std::move(known);
     throw Error("network '" + name + "': expected perfect, wifi or poor");
   }
 };

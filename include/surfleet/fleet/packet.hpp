@@ -20,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,10 @@ namespace surfleet {
 /// The most urgent first.
 enum class MessageKind : std::uint8_t { state = 0, route = 1, digest = 2, request = 3, patch = 4 };
 inline constexpr std::size_t kMessageKinds = 5;
+inline std::string_view name_of(MessageKind kind) {
+  constexpr std::string_view kNames[] = {"state", "route", "digest", "request", "patch"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
 
 /// A message's payload. Copies share the bytes.
 struct Packet {

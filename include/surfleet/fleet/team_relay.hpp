@@ -101,10 +101,12 @@ class TeamRelay {
   }
 
   /// The mates whose state is no older than `silence`, by ascending id, with their routes and ages.
-  std::vector<RobotState> mates(double now) const {
+  std::vector<RobotState> mates(double now) const { return mates(now, options_.silence); }
+  /// The same of those whose state is no older than `most` [s].
+  std::vector<RobotState> mates(double now, double most) const {
     std::vector<RobotState> team;
     for (const auto& [id, mate] : mates_)
-      if (const std::optional<double> age = age_of(mate, now); age && *age <= options_.silence)
+      if (const std::optional<double> age = age_of(mate, now); age && *age <= most)
         team.push_back(told(mate, *age));
     return team;
   }

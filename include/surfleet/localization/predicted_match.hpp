@@ -39,8 +39,7 @@ struct PredictedMatch {
       assign(fit.T_camera_target, blobs, gate, fit);
       if (fit.matches < 4 || shares(fit.blob_of_marker)) return std::nullopt;
       if (!refine(fit, blobs, true)) {
-        if (round > 0) return std::nullopt;
-        if (fit.matches <= 4) return std::nullopt;
+        if (round > 0 || fit.matches <= 4) return std::nullopt;
         return best_without_one(fit, [&](TargetFit& f) { return refine(f, blobs, true); });
       }
       gate = std::max(6.0 * options.identify.pixel_noise, 2.0);

@@ -80,15 +80,27 @@ class SurfaceBelief {
   SurfaceBelief(const SurfaceBelief&) = delete;
   SurfaceBelief& operator=(const SurfaceBelief&) = delete;
 
+  /// The options with what 0 stands for. Throws `Error` on those out of range.
+  static SurfaceBeliefOptions checked(SurfaceBeliefOptions o) {
+    require(o.voxel_size > 0.0 && std::isfinite(o.voxel_size),
+            "voxel size: expected a positive length");
+    require(o.known_weight > 0.0 && o.observed_share > 0.0 && o.observed_share <= 1.0,
+            "known weight: expected a positive weight and a share in (0, 1]");
+    if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
+    return o;
+  }
+  /// How much an image counts: behind a surface it soon knows nothing, as beams have another side.
+  static DropOffWeight<> weight(const SurfaceBeliefOptions& o) {
+    return {.full = o.voxel_size, .zero = 1.5 * o.voxel_size};
+  }
+
  private:
   SurfaceBelief(SurfaceBeliefOptions options, std::span<const RobotKind> kinds, TsdfMap own,
                 const TsdfMap* followed)
       : options_(checked(std::move(options))),
         own_(std::move(own)),
         map_(followed != nullptr ? *followed : own_),
-        integrate_(options_.tsdf,
-                   // Behind a surface an image soon knows nothing: beams have another side.
-                   {.full = options_.voxel_size, .zero = 1.5 * options_.voxel_size}),
+        integrate_(options_.tsdf, weight(options_)),
         known_(map_, {.known_weight = options_.known_weight}),
         observed_(map_, {.known_weight = options_.known_weight * options_.observed_share}),
         flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
@@ -175,15 +187,6 @@ class SurfaceBelief {
   TsdfMap take_map() { return std::move(own_); }
 
  private:
-  static SurfaceBeliefOptions checked(SurfaceBeliefOptions o) {
-    require(o.voxel_size > 0.0 && std::isfinite(o.voxel_size),
-            "voxel size: expected a positive length");
-    require(o.known_weight > 0.0 && o.observed_share > 0.0 && o.observed_share <= 1.0,
-            "known weight: expected a positive weight and a share in (0, 1]");
-    if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
-    return o;
-  }
-
   SurfaceBeliefOptions options_;
   TsdfMap own_;
   const TsdfMap& map_;  // own_, unless it follows another

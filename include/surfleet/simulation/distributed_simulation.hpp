@@ -24,6 +24,7 @@
 #include <surfleet/fleet/impaired.hpp>
 #include <surfleet/simulation/distributed_mission.hpp>
 #include <surfleet/simulation/mission.hpp>
+#include <surfleet/simulation/mission_record.hpp>
 #include <surfleet/simulation/simulated_drone.hpp>
 
 namespace surfleet {
@@ -46,8 +47,9 @@ class DistributedSimulation {
         fleet_(starts.begin(), starts.end()),
         network_(starts.size(), distributed_.network),
         alive_(starts.size(), true),
-        gone_(starts.size(), false) {
-    require(!fleet_.empty() && fleet_.size() <= 64, "robots: expected 1 to 64");
+        gone_(starts.size(), false),
+        record_(starts.size()) {
+    check_mission(options_, starts);
     require(options_.max_time > 0.0, "time: expected more than 0 s");
     for (const FleetEvent& e : distributed_.events)
       require(e.robot < fleet_.size(), "event: of a robot that is not there");
@@ -60,8 +62,6 @@ class DistributedSimulation {
           options_.start_clearance, planner(static_cast<RobotId>(r)), distributed_.agent));
     }
     network_.position = [this](RobotId r) { return fleet_[r].position; };
-    result_.mission.trajectories.resize(fleet_.size());
-    result_.mission.path_length.assign(fleet_.size(), 0.0);
   }
   DistributedSimulation(const DistributedSimulation&) = delete;
   DistributedSimulation& operator=(const DistributedSimulation&) = delete;
@@ -76,7 +76,7 @@ class DistributedSimulation {
 
   /// Runs to the end. Once only.
   DistributedResult run() {
-    record();
+    record_.add(time_, fleet_, gone_);
     double next_report = 0.0;
     while (time_ < options_.max_time) {
       happen();
@@ -85,10 +85,10 @@ class DistributedSimulation {
       for (std::size_t r = 0; r < robots_.size(); ++r)
         inbox[r] = network_.receive(static_cast<RobotId>(r));
       each([&](std::size_t r) { robots_[r]->look(time_, inbox[r]); });
-      result_.mission.images +=
+      record_.result.images +=
           static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), true));
       if (finished()) {
-        result_.mission.complete = true;
+        record_.result.complete = true;
         break;
       }
       std::vector<std::vector<Message<Packet>>> outbox(robots_.size());
@@ -96,7 +96,7 @@ class DistributedSimulation {
       for (auto& messages : outbox)
         for (Message<Packet>& m : messages) network_.send(std::move(m));
       time_ = static_cast<double>(++step_) * options_.agent.image_period;
-      record();
+      record_.add(time_, fleet_, gone_);
       if (time_ >= next_report) {
         next_report += 1.0;
         if (!report()) break;
@@ -133,54 +133,22 @@ class DistributedSimulation {
     }
     return anybody;
   }
-  void record() {
-    for (std::size_t r = 0; r < fleet_.size(); ++r) {
-      if (gone_[r]) continue;
-      auto& t = result_.mission.trajectories[r];
-      if (!t.empty())
-        result_.mission.path_length[r] +=
-            (fleet_[r].position - t.back().configuration.position).norm();
-      t.push_back({time_, fleet_[r]});
-    }
-  }
-  MissionProgress current() {
-    const Robot& r = first_left();
-    return {.time = time_,
-            .path_length = result_.mission.total_path_length(),
-            .incomplete = r.belief().incomplete().size(),
-            .known_blocks = r.belief().known().grid().block_count(),
-            .estimated_coverage = estimate_};
-  }
   bool report() {
-    if (time_ >= next_estimate_) {
-      estimate_ = first_left().belief().estimate_coverage().share();
-      next_estimate_ = std::max(1.25 * time_, time_ + 20.0);
-    }
-    const MissionProgress progress = current();
-    auto& history = result_.mission.history;
-    if (history.empty() || time_ >= history.back().time + 10.0) history.push_back(progress);
-    return !on_progress || on_progress(progress);
+    const SurfaceBelief& belief = first_left().belief();
+    record_.estimate(time_, belief);
+    return record_.report(time_, belief, on_progress);
   }
   DistributedResult summary() {
-    MissionResult& m = result_.mission;
     const Robot& first = first_left();
-    m.coverage = first.belief().estimate_coverage();
-    estimate_ = m.coverage.share();
-    m.history.push_back(current());
-    m.completion_time = time_;
-    m.remaining = first.belief().incomplete().size();
-    m.left_area = static_cast<double>(first.belief().goals().size()) * first.belief().voxel_size() *
-                  first.belief().voxel_size();
+    record_.close(time_, first.belief(), first.plans().impossible());
+    MissionResult& m = record_.result;
     result_.maps_equal = true;
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       const Robot& robot = *robots_[r];
-      m.plans += robot.plans();
-      m.planning_time += robot.planning_time();
-      m.emergency_stops += robot.agent().emergency_stops();
-      m.waits += robot.agent().waits();
-      m.path_at_work.push_back(robot.agent().travelled_at_work());
-      m.stop_reasons.push_back(robot.agent().stop_reason().value_or(
-          m.complete ? StopReason::complete : StopReason::ended));
+      m.plans += robot.plans().plans();
+      m.planning_time += robot.plans().planning_time();
+      record_.add_robot(robot.agent(), robot.agent().stop_reason().value_or(
+                                           m.complete ? StopReason::complete : StopReason::ended));
       result_.redundant_stops += robot.redundant_stops();
       result_.bytes_sent.push_back(network_.bytes_sent(static_cast<RobotId>(r)));
       if (alive_[r] && &robot != &first)
@@ -190,6 +158,7 @@ class DistributedSimulation {
       result_.bytes_by_kind[k] = network_.bytes_sent_by_kind(static_cast<std::uint8_t>(k));
     for (std::size_t k = 0; k < kNetworkDrops; ++k)
       result_.dropped[k] = network_.dropped(static_cast<NetworkDrop>(k));
+    result_.mission = std::move(m);
     return std::move(result_);
   }
 
@@ -201,7 +170,8 @@ class DistributedSimulation {
   std::vector<std::unique_ptr<Body>> bodies_;
   std::vector<std::unique_ptr<Robot>> robots_;
   std::uint64_t step_ = 0;
-  double time_ = 0.0, next_estimate_ = 0.0, estimate_ = 0.0;
+  double time_ = 0.0;
+  MissionRecord record_;
   DistributedResult result_;
 };
 }  // namespace surfleet

@@ -122,18 +122,18 @@ class Judge {
 };
 
 /// Judges whole paths, robot by robot: `paths[r][k]` is robot r's position at the k-th of the
-/// common instants. One whose path ends before the longest is gone then.
+/// common instants, not finite once it is gone.
 template <DistanceJudge Distance>
 JudgeReport judge_paths(const Distance& distance, std::span<const std::vector<Point3>> paths,
                         double radius) {
   Judge<Distance> judge(distance, radius);
   if (paths.empty()) return judge.report();
   std::vector<Point3> positions(paths.size());
-  std::size_t instants = 0;
-  for (const std::vector<Point3>& path : paths) instants = std::max(instants, path.size());
-  for (std::size_t k = 0; k < instants; ++k) {
-    for (std::size_t r = 0; r < paths.size(); ++r)
-      positions[r] = k < paths[r].size() ? paths[r][k] : Point3::Constant(JudgeReport::kNone);
+  for (std::size_t k = 0; k < paths[0].size(); ++k) {
+    for (std::size_t r = 0; r < paths.size(); ++r) {
+      require(paths[r].size() == paths[0].size(), "judge: expected paths of equal length");
+      positions[r] = paths[r][k];
+    }
     judge.observe(positions);
   }
   return judge.report();

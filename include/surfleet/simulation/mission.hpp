@@ -49,6 +49,21 @@ struct MissionOptions {
   int threads = 1;                 ///< The result is the same for any number.
 };
 
+/// Throws `Error` for options out of range, no robots or too many, and starts outside the bounds.
+inline void check_mission(const MissionOptions& o, std::span<const Configuration> starts) {
+  require(!starts.empty(), "robots: expected at least one");
+  require(starts.size() <= 64, "robots: expected at most 64");
+  require(o.agent.image_period > 0.0 && o.agent.image_period <= 5.0,
+          "image period: expected more than 0 and at most 5 s");
+  require(o.kind.limits.speed > 0.0, "speed: expected more than 0 m/s");
+  require(!o.kind.bounds.isEmpty(), "bounds: expected a box to fly in");
+  for (const Configuration& s : starts)
+    require(o.kind.bounds.contains(s.position) &&
+                o.kind.keep_out.distance(s.position) >= o.kind.body_radius,
+            "start outside the bounds or in a keep-out box: expected a start inside the one and "
+            "outside the other");
+}
+
 /// A row of the mission's history.
 struct MissionProgress {
   double time = 0.0;         ///< [s]
