@@ -221,15 +221,6 @@ class Agent {
   const RobotKind& kind() const { return space().kind; }
   bool moving() const { return phase_ == Phase::flying || phase_ == Phase::aside; }
 
-  /// Corners are cut, so robots are not quite where their paths say.
-  static TrafficOptions traffic_options(const AerialLimits& limits, double period) {
-    TrafficOptions o;
-    o.least_gap += limits.corner_tolerance;
-    o.period = period;
-    o.braking = limits.braking;
-    return o;
-  }
-
   /// Nothing is left that the stop was for; one that is for nothing stays to be flown to.
   bool is_pointless(const Stop& stop) const {
     return !stop.targets.empty() &&

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief A robot's state as those see it that keep clear of it.
+/// @brief A robot and its limits as those see them that keep clear of each other.
 #pragma once
 
 #include <surfleet/motion/traffic_policy.hpp>
@@ -8,6 +8,15 @@
 #include <surfleet/planning/robot_kind.hpp>
 
 namespace surfleet {
+/// Corners are cut, so robots are not quite where their paths say. `period` is that of decisions
+/// [s].
+inline TrafficOptions traffic_options(const AerialLimits& limits, double period) {
+  TrafficOptions o;
+  o.least_gap += limits.corner_tolerance;
+  o.period = period;
+  o.braking = limits.braking;
+  return o;
+}
 inline TrafficAgent as_traffic(const RobotState& robot, const RobotKind& kind) {
   TrafficAgent t;
   t.id = static_cast<int>(robot.id);
