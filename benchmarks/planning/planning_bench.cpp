@@ -3,7 +3,7 @@
 /// @brief What one drone's plan is made of: lattices searched, views counted, a tour ahead.
 #include <surfleet/core/random.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
-#include <surfleet/planning/tour_ahead.hpp>
+#include <surfleet/planning/team_tour.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 #include <benchmark/benchmark.h>
@@ -87,30 +87,41 @@ void SightTargets_InView(benchmark::State& state) {
 }
 BENCHMARK(SightTargets_InView)->ArgName("by_depth")->Arg(0)->Arg(1);
 
-/// What places show is told by a table, so that the tour alone is timed.
-struct TableLooks {
-  std::vector<double> worth;
-  double look(std::size_t s, double /*enough*/, WorthByHeading& by_heading) const {
-    by_heading.fill(worth[s]);
-    return worth[s];
+/// What places show is told by a table, so that the tours alone are timed.
+struct TableViews {
+  std::vector<double> gain;
+  double look(std::size_t s, double /*enough*/, GainByHeading& by_heading) const {
+    by_heading.fill(gain[s]);
+    return gain[s];
   }
-  void take(std::size_t s, int /*heading*/) { worth[s] = 0.0; }
+  void take(std::size_t s, int /*heading*/) { gain[s] = 0.0; }
 };
 
-void TourAhead_Plan(benchmark::State& state) {
+/// By sites and robots.
+void TeamTours_Plan(benchmark::State& state) {
   Random random(4);
-  std::vector<TourSite> sites;
-  TableLooks looks;
-  const Configuration from{kStart, 0.0};
+  std::vector<Point3> sites;
+  TableViews views;
+  std::vector<TourStart> team(static_cast<std::size_t>(state.range(1)));
   for (const SightTarget& t :
        targets_in(plant_map::bounds(), static_cast<std::size_t>(state.range(0)))) {
-    sites.push_back({t.position, (t.position - from.position).norm()});
-    looks.worth.push_back(random.uniform(0.0, 30.0));
+    sites.push_back(t.position);
+    views.gain.push_back(random.uniform(0.0, 30.0));
+  }
+  for (std::size_t r = 0; r < team.size(); ++r) {
+    team[r].from = {kStart + Eigen::Vector3d(2.0 * static_cast<double>(r), 0.0, 0.0), 0.0};
+    for (const Point3& p : sites) team[r].distance.push_back((p - team[r].from.position).norm());
   }
   for (auto _ : state) {
-    TableLooks fresh = looks;
-    benchmark::DoNotOptimize(tour_ahead(from, sites, fresh));
+    TableViews fresh = views;
+    benchmark::DoNotOptimize(TeamTours(team, sites, fresh, {})());
   }
 }
-BENCHMARK(TourAhead_Plan)->Arg(1000)->Arg(20000)->Unit(benchmark::kMillisecond);
+BENCHMARK(TeamTours_Plan)
+    ->ArgNames({"sites", "robots"})
+    ->Args({1000, 1})
+    ->Args({20000, 1})
+    ->Args({1000, 5})
+    ->Args({20000, 5})
+    ->Unit(benchmark::kMillisecond);
 }  // namespace

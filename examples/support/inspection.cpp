@@ -170,12 +170,13 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
         std::max(kind.bounds.min().z(), site.scene.ground_z + s.radius + s.margin);
   o.belief.voxel_size = s.voxel;
   o.belief.known_weight = s.known_weight;
+  o.belief.observed_share = planner_by_name(s.planner).observed_share();
   o.belief.tsdf.truncation = s.truncation.value_or(3.0 * s.voxel);
   o.belief.looks.max_looks = s.max_looks;
   o.belief.region = site.scene.region;
   o.belief.seed = s.seed;
   o.agent.image_period = 1.0 / s.rate;
-  o.agent.utility_share = s.utility_share;
+  if (s.utility_share) o.agent.utility_share = *s.utility_share;
   // Said by the operator, who knows the place he starts from, and held against the truth before the
   // mission begins: see `InspectionSite::starts`.
   o.start_clearance = s.known_around_start();

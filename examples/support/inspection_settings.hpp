@@ -61,17 +61,16 @@ struct InspectionSettings : MissionPreset {
   std::string cluster_distance = "straight";
   MergeOptions merge;
   int max_looks = 1;
-  MissionLimits end;                 ///< When a mission is over before nothing is left to do.
-  std::string begun;                 ///< Folder of a mission to go on with; empty: none.
-  std::string neighbours = "exact";  ///< How drones see one another: exact, markers, none.
-  bool announces = true;             ///< Drones tell each other where they go.
-  std::string network = "perfect";   ///< Of a distributed fleet: perfect, wifi, poor or a file.
-  std::string events;                ///< File of what befalls robots of one; empty: nothing.
-  int patch_images = 5;              ///< In a map patch of one.
-  double wait_for_team = 30.0;       ///< For mates that it no longer hears [s].
-  std::string save_images;           ///< Folder for what the cameras see; empty: nowhere.
-  /// Whether `utility_share` was asked for, and holds for planners that have one of their own.
-  bool utility_share_given = false;
+  MissionLimits end;                    ///< When a mission is over before nothing is left to do.
+  std::string begun;                    ///< Folder of a mission to go on with; empty: none.
+  std::string neighbours = "exact";     ///< How drones see one another: exact, markers, none.
+  bool announces = true;                ///< Drones tell each other where they go.
+  std::string network = "perfect";      ///< Of a distributed fleet: perfect, wifi, poor or a file.
+  std::string events;                   ///< File of what befalls robots of one; empty: nothing.
+  int patch_images = 5;                 ///< In a map patch of one.
+  double wait_for_team = 30.0;          ///< For mates that it no longer hears [s].
+  std::string save_images;              ///< Folder for what the cameras see; empty: nowhere.
+  std::optional<double> utility_share;  ///< c_thres in place of the planner's own.
 
   Pose T_body_camera() const {
     return forward_camera_mount(radians(camera_pitch),
@@ -97,7 +96,8 @@ struct InspectionSettings : MissionPreset {
     p.merge = merge;
     p.speed = limits.speed;
     p.yaw_rate = limits.yaw_rate;
-    if (utility_share_given) p.utility_share = utility_share;
+    p.printed_share = printed_share;
+    p.utility_share = utility_share;
     return p;
   }
   /// What it is called in results.
@@ -198,14 +198,13 @@ class InspectionOptions {
     if (explores) {
       app.begin_group("Planner");
       app.add("--standoff", settings.standoff, "delta_pose, distance of a view [m]");
-      app.add("--utility-share", utility_share_,
-              "1 - c_thres: share of a route's work whose completion asks for a new plan; surfleet "
-              "and nnb ask sooner unless this is given; default 0.2, statue 0.5");
+      app.add("--utility-share", settings.utility_share,
+              "c_thres: share of a route's work whose completion asks for a new plan; default 0.2, "
+              "tsga 0.8 and 0.5 with --preset statue, nnb 0.1");
       app.add("--max-looks", settings.max_looks, "looks in vain before an element is given up");
-      app.add(
-          "--merge-distance", settings.merge.distance,
-          "epsilon: viewpoints this near are one, if they look alike [m] (all but surfleet, rate "
-          "and tours)");
+      app.add("--merge-distance", settings.merge.distance,
+              "epsilon: viewpoints this near are one, if they look alike [m] (all but surfleet and "
+              "tours)");
       app.add("--cluster-radius", settings.cluster_radius, "d_nu [m]");
       app.add("--cluster-max-radius", settings.cluster_max_radius,
               "d_nu^max: up to which a viewpoint alone looks for company [m]");
@@ -213,9 +212,9 @@ class InspectionOptions {
               "what joins viewpoints: straight lines or roadmap paths")
           .one_of({"straight", "path"});
       app.add("--lambda-tc", settings.lambda_tc,
-              "penalty of travel between clusters [1/m] (all but surfleet, rate and tours)");
+              "penalty of travel between clusters [1/m] (all but surfleet and tours)");
       app.add("--lambda-ic", settings.lambda_ic,
-              "penalty of travel inside clusters [1/m] (all but surfleet, rate and tours)");
+              "penalty of travel inside clusters [1/m] (all but surfleet and tours)");
     }
     app.begin_group("Run");
     app.add("--seed", settings.seed, "of noise and roadmap");
@@ -266,8 +265,6 @@ class InspectionOptions {
     keep("--cluster-radius", &InspectionSettings::cluster_radius);
     keep("--lambda-tc", &InspectionSettings::lambda_tc);
     keep("--lambda-ic", &InspectionSettings::lambda_ic);
-    s.utility_share_given = utility_share_.has_value();
-    s.utility_share = utility_share_.value_or(s.utility_share);
     s.cluster_max_radius = app_.was_given("--cluster-max-radius")
                                ? given.cluster_max_radius
                                : std::max(given.cluster_max_radius, s.cluster_radius);
@@ -353,7 +350,8 @@ class InspectionOptions {
     require(s.lambda_tc >= 0.0 && s.lambda_ic >= 0.0,
             "--lambda-tc, --lambda-ic: expected 0 or more");
     require(s.max_looks >= 1 && s.max_looks <= 100, "--max-looks: expected 1 to 100");
-    require(s.utility_share > 0.0 && s.utility_share <= 1.0, "--utility-share: expected (0, 1]");
+    const double share = s.utility_share.value_or(1.0);
+    require(share > 0.0 && share <= 1.0, "--utility-share: expected (0, 1]");
     const std::string& a = s.architecture;
     require(a.empty() || a == "single" || a == "centralized" || a == "distributed",
             "--architecture " + a + ": expected single, centralized or distributed");
@@ -373,7 +371,6 @@ class InspectionOptions {
 
   cli::Options& app_;
   std::vector<double> range_{MissionPreset{}.nearest, MissionPreset{}.farthest};
-  std::optional<double> utility_share_;
   std::string noise_ = "on", announcements_ = "on", floor_;
   std::vector<double> keep_out_;
 };

@@ -22,5 +22,4 @@
 #include <surfleet/motion/shortcut.hpp>
 #include <surfleet/motion/tangent_bug.hpp>
 #include <surfleet/motion/taut_path.hpp>
-#include <surfleet/motion/team_flights.hpp>
 #include <surfleet/motion/traffic_policy.hpp>

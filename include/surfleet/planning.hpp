@@ -7,15 +7,15 @@
 
 #include <surfleet/planning/coverage_tour.hpp>
 #include <surfleet/planning/default_planner.hpp>
+#include <surfleet/planning/interest.hpp>
+#include <surfleet/planning/lattice_views.hpp>
 #include <surfleet/planning/named_planners.hpp>
 #include <surfleet/planning/opening_look.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/planner_settings.hpp>
-#include <surfleet/planning/rate_planner.hpp>
-#include <surfleet/planning/rate_then_tours.hpp>
 #include <surfleet/planning/robot_kind.hpp>
+#include <surfleet/planning/rolling_tours.hpp>
 #include <surfleet/planning/surface_belief.hpp>
-#include <surfleet/planning/tour_ahead.hpp>
+#include <surfleet/planning/team_tour.hpp>
 #include <surfleet/planning/tour_planner.hpp>
-#include <surfleet/planning/tours_behind.hpp>
 #include <surfleet/planning/with_space_looks.hpp>

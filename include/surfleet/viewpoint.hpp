@@ -9,7 +9,6 @@
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/incomplete_element.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
-#include <surfleet/viewpoint/left_below.hpp>
 #include <surfleet/viewpoint/left_reason.hpp>
 #include <surfleet/viewpoint/look_ledger.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>

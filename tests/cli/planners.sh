@@ -3,7 +3,7 @@
 # thread and on two.
 set -eu
 . "$(dirname "$0")/support.sh"
-for planner in surfleet tsga nnb nnb-exclusive tsga-async tsga-improved makespan rate tours; do
+for planner in surfleet tsga nnb tsga-plus nnb-plus makespan tours; do
   for threads in 1 2; do
     "$bin/drone_inspection" --scene house --robots 3 --planner $planner --threads $threads --quiet \
       --out $planner$threads >stdout.txt

@@ -9,12 +9,9 @@
 #include <surfleet/core/random.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
-#include <surfleet/motion/team_flights.hpp>
-#include <surfleet/planning/rate_planner.hpp>
-#include <surfleet/planning/rate_then_tours.hpp>
+#include <surfleet/planning/rolling_tours.hpp>
 #include <surfleet/planning/tour_planner.hpp>
 #include <surfleet/viewpoint/gain.hpp>
-#include <surfleet/viewpoint/left_below.hpp>
 #include <surfleet/viewpoint/look_bound.hpp>
 #include <surfleet/viewpoint/look_ledger.hpp>
 #include <surfleet/viewpoint/unseen_space.hpp>
@@ -415,7 +412,7 @@ TEST(ways_to_views_cost_their_stops_and_their_turns) {
   CHECK(stops_of_the_far_one({.stop = 5.0}) >= 2);
 }
 
-TEST(flights_by_rate_end_where_the_roadmap_leads) {
+TEST(rolling_tours_end_where_the_roadmap_leads) {
   // Crumbs everywhere, and a body so small that it fits between where no row of voxel centres does.
   TsdfMap map({.voxel_size = 0.3});
   Random random(3);
@@ -426,7 +423,7 @@ TEST(flights_by_rate_end_where_the_roadmap_leads) {
   const Box3 region(Point3(-4.5, -4.5, -2.2), Point3(4.5, 4.5, 2.2));
   StillMission still(map, {.radius = 0.2, .bounds = region, .margin = 0.1},
                      PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
-  RatePlanner planner;
+  RollingTours planner;
   int stops = 0;
   while (stops < 150) {
     const Point3 p(random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(-2, 2));
@@ -440,187 +437,6 @@ TEST(flights_by_rate_end_where_the_roadmap_leads) {
     }
     ++stops;
   }
-}
-
-/// Sends all to one place, at the rate and for the look it is told.
-struct SendAll {
-  Point3 goal = Point3::Zero();
-  double rate = 1.0;
-  double last_rate() const { return rate; }
-  double broadest_look() const { return rate; }
-  Plan operator()(const SurfaceSituation& situation) const {
-    Plan plan;
-    for (const RobotState& robot : situation.team) plan.routes[robot.id] = Stops{{{goal, 0.0}, {}}};
-    return plan;
-  }
-};
-TEST(nobody_leaves_a_tour_for_what_is_broad_but_far) {
-  TsdfMap map({.voxel_size = 0.3});
-  const Box3 region(Point3(-9.0, -9.0, -2.0), Point3(9.0, 9.0, 2.0));
-  StillMission still(map, {.radius = 0.4, .bounds = region, .margin = 0.1},
-                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
-  const Point3 broad(8.0, 0.0, 0.0), rest(0.0, 0.0, 0.0);
-  const auto ask = [&](auto& planner, double rate, std::span<const double> places) {
-    std::vector<Teammate> robots;
-    for (const double x : places) robots.push_back({{Point3(x, 0.0, 0.0), 0.0}, true, {}});
-    planner.first.rate = rate;
-    return planner(still.situation(robots));
-  };
-  const auto goal = [](const Plan& result, RobotId robot) {
-    return result.routes.at(robot).at(0).configuration.position;
-  };
-  const std::vector<double> team{7.0, 3.3, -8.0};
-  RateThenTours<SendAll, SendAll> planner(SendAll{broad}, SendAll{rest});
-  Plan result = ask(planner, 1.0, team);
-  for (RobotId r = 0; r < 3; ++r) CHECK(goal(result, r) == broad);
-  ask(planner, 0.0, team);
-  CHECK(planner.touring());
-  for (int i = 0; i < 2; ++i) {
-    result = ask(planner, 0.9, team);
-    CHECK(!planner.touring());
-    CHECK(goal(result, 0) == broad && goal(result, 1) == broad && goal(result, 2) == rest);
-  }
-  // One alone goes, as nobody else will.
-  RateThenTours<SendAll, SendAll> lone(SendAll{broad}, SendAll{rest});
-  const std::vector<double> one{-8.0};
-  ask(lone, 1.0, one);
-  ask(lone, 0.0, one);
-  CHECK(lone.touring());
-  CHECK(goal(ask(lone, 0.9, one), 0) == broad);
-}
-
-TEST(nobody_is_sent_across_a_teammate_s_flight_where_there_is_as_much_elsewhere) {
-  // Two boxes with something behind them, on either side.
-  TsdfMap map({.voxel_size = 0.3});
-  map_test::paint(map, {-24, -24, -8}, {24, 24, 8}, [&](const VoxelIndex& v) {
-    for (const VoxelIndex& box : {VoxelIndex(0, 15, 0), VoxelIndex(0, -15, 0)}) {
-      const VoxelIndex d = v - box;
-      if (d.cwiseAbs().maxCoeff() <= 1)
-        return d.y() * box.y() > 0 ? VoxelState::unknown : VoxelState::occupied;
-    }
-    return VoxelState::empty;
-  });
-  const Box3 region(Point3(-6.0, -6.0, -2.0), Point3(6.0, 6.0, 2.0));
-  StillMission still(map, {.radius = 0.4, .bounds = region, .margin = 0.1},
-                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
-  // The teammate flies by on the side it is told.
-  const auto side = [&](double teammate_y, double meeting_share) {
-    RatePlannerOptions options;
-    options.meeting_share = meeting_share;
-    const double y = teammate_y > 0.0 ? 1.2 : -1.2;
-    const std::vector<Teammate> robots{
-        {{Point3(0.0, 0.05, 0.1), 0.0}, true, {}},
-        {{Point3(-2.0, y, 0.1), 0.0}, false, {{{Point3(2.0, 2.0 * y, 0.1), 0.0}, {}}}}};
-    return RatePlanner(options)(still.situation(robots))
-        .routes.at(0)
-        .at(0)
-        .configuration.position.y();
-  };
-  const double alone = side(1.0, 0.0);
-  CHECK(alone * side(alone, 1.0) < 0.0);   // its way was across: it takes the other side
-  CHECK(alone * side(-alone, 1.0) > 0.0);  // and leaves it where nobody is in the way
-}
-
-TEST(what_a_climbing_robot_leaves_below_counts_more_while_it_is_near) {
-  const double range = 5.0;
-  const LeftBelowOptions options{.most = 0.6, .foot = 1.0, .peak = 0.5, .end = 1.5, .aside = 2.0};
-  const auto above_foot = [&](double foot, double below, double off) {
-    return worth_left_below(Point3(1.0, 2.0, 30.0), Point3(1.0, 2.0 + off, 30.0 - below), foot,
-                            range, options);
-  };
-  const auto at = [&](double below, double off) { return above_foot(0.0, below, off); };
-  CHECK_NEAR(at(2.5, 0.0), 1.6, 1e-12);
-  CHECK_NEAR(at(2.5, 5.0), 1.6, 1e-12);
-  CHECK_NEAR(at(1.25, 0.0), 1.3, 1e-12);
-  CHECK_NEAR(at(5.0, 0.0), 1.3, 1e-12);
-  CHECK_NEAR(at(2.5, 7.5), 1.3, 1e-12);
-  for (const auto& [below, off] :
-       {std::pair{0.0, 0.0}, {-2.5, 0.0}, {7.5, 0.0}, {30.0, 0.0}, {2.5, 10.0}, {2.5, 40.0}})
-    CHECK(at(below, off) == 1.0);
-  Random random(5);
-  for (int i = 0; i < 1000; ++i) {
-    const double below = random.uniform(-10, 20), off = random.uniform(0, 20);
-    const double step = random.uniform(0.0, 0.1);
-    CHECK(at(below, off) >= 1.0 && at(below, off) <= 1.6);
-    CHECK(std::abs(at(below + step, off) - at(below, off)) <= 0.6 * step / 2.5 + 1e-12);
-    CHECK(std::abs(at(below, off + step) - at(below, off)) <= 0.6 * step / 5.0 + 1e-12);
-  }
-  CHECK_NEAR(above_foot(27.5, 2.5, 0.0), 2.6, 1e-12);  // at the foot
-  CHECK_NEAR(above_foot(28.5, 2.5, 0.0), 2.6, 1e-12);  // and lower
-  CHECK_NEAR(above_foot(25.0, 2.5, 0.0), 2.1, 1e-12);
-  CHECK_NEAR(above_foot(25.0, 2.5, 7.5), 1.55, 1e-12);
-  CHECK(above_foot(22.5, 2.5, 0.0) == at(2.5, 0.0));
-  CHECK(above_foot(22.5, 7.5, 0.0) == 1.0);
-  LeftBelowOptions none = options;
-  none.most = 0.0;
-  CHECK(worth_left_below(Point3(0, 0, 2), Point3::Zero(), -9.0, range, none) == 1.0);
-  none.foot = -0.1;
-  CHECK_THROWS(Error, worth_left_below(Point3(0, 0, 2), Point3::Zero(), -9.0, range, none));
-  none.foot = 0.0;
-  none.end = none.peak;
-  CHECK_THROWS(Error, worth_left_below(Point3(0, 0, 2), Point3::Zero(), -9.0, range, none));
-}
-
-TEST(one_drone_in_a_high_region_looks_at_what_is_below_first) {
-  // Two boxes alike with something behind them, one a little nearer above, one below.
-  TsdfMap map({.voxel_size = 0.3});
-  map_test::paint(map, {-12, -12, -24}, {12, 24, 24}, [&](const VoxelIndex& v) {
-    for (const int z : {-6, 5}) {
-      const VoxelIndex d = v - VoxelIndex(0, 8, z);
-      if (d.cwiseAbs().maxCoeff() <= 1)
-        return d.y() > 0 ? VoxelState::unknown : VoxelState::occupied;
-    }
-    return VoxelState::empty;
-  });
-  const auto height_of_first = [&](double half_height, int robots, double most) {
-    const Box3 region(Point3(-3.0, -3.0, -half_height), Point3(3.0, 6.0, half_height));
-    StillMission still(map, {.radius = 0.4, .bounds = region, .margin = 0.1},
-                       PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.1, 2.0), region);
-    CHECK(RatePlanner()(still.situation({})).routes.empty());
-    RatePlannerOptions options;
-    options.ahead = 1;
-    options.climb_alone.left_below.most = most;
-    std::vector<Teammate> team{{{Point3(0.05, 0.05, 0.2), 0.0}, true, {}}};
-    if (robots == 2) team.push_back({{Point3(2.0, -2.0, 0.2), 0.0}, false, {}});
-    const Plan result = RatePlanner(options)(still.situation(team));
-    const bool alone = half_height > 4.0 && robots == 1;
-    CHECK(result.replan.watch_on == alone);
-    CHECK(result.replan.utility_share.has_value() == alone);
-    return result.routes.at(0).at(0).configuration.position.z();
-  };
-  CHECK(height_of_first(6.0, 1, 0.0) > 0.2);
-  CHECK(height_of_first(6.0, 1, 0.6) < 0.2);
-  CHECK(height_of_first(3.0, 1, 0.6) > 0.2);  // not so high
-  CHECK(height_of_first(6.0, 2, 0.6) > 0.2);  // not alone
-}
-
-TEST(closest_approach_matches_sampling) {
-  Random random(4);
-  const auto place = [&] {
-    return Point3(random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-1, 1));
-  };
-  for (int trial = 0; trial < 300; ++trial) {
-    StraightFlight a{place(), place()}, b{place(), place()};
-    if (trial % 5 == 0) a.to = a.from;
-    if (trial % 7 == 0) b.to = b.from;
-    if (trial % 11 == 0) b.to = b.from + (a.to - a.from);  // side by side
-    double sampled = std::numeric_limits<double>::infinity();
-    const double longest = std::max(a.length(), b.length());
-    for (int i = 0; i <= 2000; ++i) {
-      const double way = longest * i / 2000.0;
-      sampled = std::min(sampled, (a.after(way) - b.after(way)).norm());
-    }
-    const double got = closest_approach(a, b);
-    CHECK(got <= sampled + 1e-9 && got > sampled - 0.01);
-    CHECK_NEAR(got, closest_approach(b, a), 1e-12);
-  }
-  // Those who are near each other and part do not meet; who closes in does.
-  TeamFlights flights(2.0);
-  flights.settle({Point3(0, 0, 0), Point3(5, 0, 0)});
-  CHECK(!flights.meet({Point3(0, 1, 0), Point3(-5, 1, 0)}));
-  CHECK(!flights.meet({Point3(0, 1, 0), Point3(5, 1, 0)}));
-  CHECK(flights.meet({Point3(5, 3, 0), Point3(5, 1, 0)}));
-  CHECK(!TeamFlights(2.0).meet({Point3(5, 3, 0), Point3(5, 1, 0)}));
 }
 
 TEST(unseen_space_is_the_border_of_what_is_known_empty) {

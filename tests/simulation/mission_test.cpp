@@ -11,10 +11,8 @@
 #include "check.hpp"
 
 #include <surfleet/mapping/mesh_extractor.hpp>
-#include <surfleet/planning/rate_planner.hpp>
-#include <surfleet/planning/rate_then_tours.hpp>
+#include <surfleet/planning/rolling_tours.hpp>
 #include <surfleet/planning/tour_planner.hpp>
-#include <surfleet/planning/tours_behind.hpp>
 #include <surfleet/planning/with_space_looks.hpp>
 
 namespace {
@@ -32,7 +30,7 @@ struct NoPlan {
 };
 static_assert(FleetPlanner<NoPlan> && !FleetPlanner<int>);
 static_assert(WorldModel<World> && !WorldModel<NoPlan>);
-static_assert(FleetPlanner<RatePlanner> && FleetPlanner<TsgaPlanner>);
+static_assert(FleetPlanner<RollingTours> && FleetPlanner<TsgaPlanner>);
 static_assert(FleetPlanner<WithSpaceLooks<NoPlan>>);
 
 /// Compiled once for all planners; `NoPlan` flies a mission of its own type.
@@ -92,15 +90,14 @@ TourPlannerOptions tour_options() {
 }
 
 TEST(two_robots_reconstruct_a_box_by_tsga) { fly(2, TsgaPlanner(tour_options()), 1, 0.98); }
-TEST(three_robots_reconstruct_a_box_by_rate_then_tours) {
-  fly(3,
-      RateThenTours<RatePlanner, MakespanPlanner>(RatePlanner(), MakespanPlanner(tour_options())),
-      1, 0.98);
+TEST(three_robots_reconstruct_a_box_by_even_tours) {
+  fly(3, MakespanPlanner(tour_options()), 1, 0.98);
 }
+TEST(three_robots_reconstruct_a_box_by_rolling_tours) { fly(3, RollingTours(), 1, 0.95); }
 TEST(threads_change_nothing) {
   TsdfMap a({.voxel_size = 0.2}), b({.voxel_size = 0.2});
-  const MissionResult one = fly(2, RatePlanner(), 1, 0.9, &a),
-                      two = fly(2, RatePlanner(), 2, 0.9, &b);
+  const MissionResult one = fly(2, RollingTours(), 1, 0.9, &a),
+                      two = fly(2, RollingTours(), 2, 0.9, &b);
   CHECK(one.completion_time == two.completion_time);
   CHECK(one.path_length == two.path_length);
   CHECK(a.block_count() == b.block_count());
@@ -188,19 +185,19 @@ TEST(a_part_that_stands_by_itself_is_found_in_unseen_space) {
   MissionOptions o = box_world::options(world);
   o.belief.region.max().x() = 13.5;
   o.kind.bounds.max().x() = 17.0;
-  const auto finds_it = [&](double space_worth) {
-    RatePlanner planner;
-    planner.options.space_worth = space_worth;
-    AnyMission mission(o, world, box_world::starts(1), planner);
+  const auto finds_it = [&](double frontier_gain) {
+    RollingToursOptions options;
+    options.interest.frontier_gain = frontier_gain;
+    AnyMission mission(o, world, box_world::starts(1), RollingTours(options));
     CHECK(mission.run().complete);
     return Bvh(extract_mesh(mission.map(), {.min_weight = 1e-6F})).distance(middle) < 1.2;
   };
-  CHECK(finds_it(RatePlannerOptions{}.space_worth));
+  CHECK(finds_it(InterestOptions{}.frontier_gain));
   CHECK(!finds_it(0.0));
 }
 /// Says how often in a row robots are sent to look once more from where they have just looked.
 struct Again {
-  RatePlanner inner;
+  RollingTours inner;
   int* longest = nullptr;
   int row = 0;
   Plan operator()(const SurfaceSituation& situation) {
@@ -216,20 +213,16 @@ struct Again {
     return result;
   }
 };
-TEST(one_robot_reconstructs_a_box_by_rate_and_does_not_look_twice_from_one_place) {
-  for (const double climb_height : {4.0, 0.0}) {  // the second is one that has to be climbed
-    RatePlannerOptions options;
-    options.climb_height = climb_height;
-    int longest = 0;
-    fly(1, Again{RatePlanner(options), &longest}, 1, 0.8);
-    CHECK(longest <= 1);
-  }
+TEST(one_robot_reconstructs_a_box_by_rolling_tours_and_does_not_look_twice_from_one_place) {
+  int longest = 0;
+  fly(1, Again{RollingTours(), &longest}, 1, 0.8);
+  CHECK(longest <= 1);
 }
 /// Where nobody can be, for so many plans; then what a planner that works says.
 struct NowhereFirst {
   int wrong = 0;
   int* calls = nullptr;
-  RatePlanner then;
+  RollingTours then;
   Plan operator()(const SurfaceSituation& situation) {
     if (++*calls > wrong) return then(situation);
     Stop inside_the_box{{box_world::box().center(), 0.0}, {}};
@@ -244,7 +237,7 @@ TEST(a_plan_that_cannot_be_flown_is_not_the_last_word) {
     int calls = 0;
     World world;
     AnyMission mission(box_world::options(world), world, box_world::starts(1),
-                       NowhereFirst{wrong, &calls, RatePlanner()});
+                       NowhereFirst{wrong, &calls, RollingTours()});
     const MissionResult result = mission.run();
     CHECK(result.complete);
     if (wrong == 2) {
@@ -337,142 +330,9 @@ TEST(reordered_stops_are_the_same_stops_on_a_shorter_way) {
   CHECK(mission.run().complete);
   CHECK(saved > 0.5);
 }
-/// Rates and looks as they are told.
-struct Scripted {
-  double rate = 1.0, look = 1.0;
-  std::optional<double> utility_share;
-  double last_rate() const { return rate; }
-  double broadest_look() const { return look; }
-  Plan operator()(const SurfaceSituation& situation) {
-    Plan plan = for_all(situation, Stops{Stop{}});
-    plan.replan = {.utility_share = utility_share, .watch_on = true};
-    return plan;
-  }
-};
-/// Passes a request on to planners of its own.
-struct AskedOnce {
-  Plan operator()(const SurfaceSituation& situation) {
-    using Planner = RateThenTours<Scripted, NoPlan>;
-    const auto ask = [&](Planner& p, double rate, double look, int times) {
-      p.first.rate = rate;
-      p.first.look = look;
-      bool all = true, any = false;
-      for (int i = 0; i < times; ++i) {
-        const Plan result = p(situation);
-        const bool toured = result.routes.at(0).empty();
-        CHECK(toured == p.touring());
-        // Whichever was asked.
-        CHECK(result.replan.utility_share == p.first.utility_share.value_or(p.lone_utility_share));
-        CHECK(result.replan.watch_on);
-        all = all && toured;
-        any = any || toured;
-      }
-      return std::pair(all, any);
-    };
-    Planner p;
-    CHECK(!ask(p, 4.0, 40.0, 20).second);
-    CHECK(!ask(p, 0.1, 20.0, 60).second);  // low rates, but something broad far away
-    CHECK(ask(p, 0.1, 4.0, 40).second);    // nothing broad any more
-    CHECK(ask(p, 0.1, 4.0, 5).first);
-    p.first.utility_share = 0.7;
-    CHECK(ask(p, 0.1, 4.0, 5).first);
-    CHECK(!ask(p, 0.2, 30.0, 5).second);  // the tours came upon something
-    CHECK(ask(p, 0.05, 4.0, 60).second);
-    Planner q;
-    CHECK(!ask(q, 4.0, 40.0, 1).second);
-    CHECK(ask(q, 0.0, 0.0, 1).first);  // nothing at all
-    return for_all(situation, {});
-  }
-};
-TEST(tours_take_over_when_nothing_broad_is_left_and_give_way_again) {
-  World world;
-  AnyMission mission(box_world::options(world), world, box_world::starts(1), AskedOnce());
-  CHECK(mission.run().complete);
-}
-/// An advancing planner, or one of tours: a stop for whoever waits, or none; counts who did.
-struct Counting {
-  bool tours = false, finds = true;
-  std::size_t asked = 0, work = 0;
-  bool touring() const { return tours; }
-  ReplanRule rule(const SurfaceSituation&) const { return {.utility_share = 0.25}; }
-  Plan operator()(const SurfaceSituation& situation) {
-    Plan result;
-    result.replan = rule(situation);
-    asked = situation.asked.size();
-    work = situation.goals.size();
-    for (const RobotId r : situation.asked) result.routes[r] = Stops(finds ? 1 : 0);
-    return result;
-  }
-};
-/// Asks on behalf of five robots, 100 m from where the work is left, with so much work there and
-/// with themselves.
-struct AskedForFive {
-  Plan operator()(const SurfaceSituation& still) {
-    std::vector<RobotState> robots(5);
-    for (RobotId r = 0; r < 5; ++r) robots[r] = {.id = r, .at = {Point3(100.0 + r, 0, 0), 0.0}};
-    const std::vector<RobotId> all{0, 1, 2, 3, 4};
-    std::vector<IncompleteElement> work;
-    const auto ask = [&](auto& planner, int behind, int ahead, bool waiting = true) {
-      work.assign(static_cast<std::size_t>(behind), {});
-      work.resize(static_cast<std::size_t>(behind + ahead), {.position = Point3(101, 0, 0)});
-      SurfaceSituation situation = still;
-      situation.goals = work;
-      situation.team = robots;
-      situation.asked = std::span(all).first(waiting ? robots.size() : 0);
-      return planner(situation);
-    };
-    using Crew = std::vector<RobotId>;
-    ToursBehind<Counting, Counting> p;
-    ask(p, 10, 0);
-    CHECK(p.crew().empty() && p.front.asked == 5);  // the box is no tower
-    p.options.least_height = 0.0;
-    ask(p, 2, 8);
-    CHECK(p.crew().empty() && p.front.asked == 5);
-    Plan result = ask(p, 3, 7);  // more than a fifth
-    CHECK(p.crew() == Crew{0});  // the nearest
-    CHECK(p.behind.asked == 1 && p.behind.work == 3);
-    CHECK(p.front.asked == 4 && p.front.work == 10);
-    CHECK(result.routes.size() == 5);
-    for (const auto& [robot, route] : result.routes) CHECK(route.size() == 1);
-    CHECK(result.replan.utility_share == 0.25);
-    ask(p, 4, 6);
-    CHECK(p.crew() == Crew{0});
-    result = ask(p, 5, 5, false);  // nobody waits, but a second one is wanted there
-    CHECK((p.crew() == Crew{0, 1}));
-    CHECK(result.routes.size() == 1 && result.routes.contains(1));
-    CHECK(result.replan.utility_share == 0.25);
-    ask(p, 10, 0);
-    ask(p, 10, 0);
-    CHECK((p.crew() == Crew{0, 1, 2}));  // at most three of five
-    p.behind.finds = false;
-    result = ask(p, 10, 0);
-    CHECK(p.crew().empty() && p.front.asked == 5);  // those with nothing to do there come back
-    CHECK(result.routes.size() == 5);
-    for (const auto& [robot, route] : result.routes) CHECK(route.size() == 1);
-    p.behind.finds = true;
-    ask(p, 10, 0);
-    CHECK(p.crew().empty());  // not for what nothing could be done about
-    ask(p, 20, 0);
-    CHECK(p.crew().size() == 1);
-    p.front.tours = true;
-    ask(p, 20, 0);
-    CHECK(p.crew().empty() && p.front.asked == 5);
-    robots.resize(2);
-    ToursBehind<Counting, Counting> two;
-    two.options.least_height = 0.0;
-    ask(two, 10, 0);
-    CHECK(two.crew().empty() && two.front.asked == 2);
-    return for_all(still, {});
-  }
-};
-TEST(some_of_a_team_tour_what_is_left_behind) {
-  World world;
-  AnyMission mission(box_world::options(world), world, box_world::starts(1), AskedForFive());
-  CHECK(mission.run().complete);
-}
 TEST(progress_can_end_a_mission) {
   World world;
-  AnyMission mission(box_world::options(world), world, box_world::starts(1), RatePlanner());
+  AnyMission mission(box_world::options(world), world, box_world::starts(1), RollingTours());
   int calls = 0;
   mission.on_progress = [&](const MissionProgress&) { return ++calls < 3; };
   const MissionResult result = mission.run();

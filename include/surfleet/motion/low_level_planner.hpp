@@ -16,11 +16,10 @@
 namespace surfleet {
 /// Whether enough of what a plan set out to complete is done for a new plan to pay.
 ///
-/// The text has it that c_thres (80 or 50 %) of the elements are "completed", the algorithm that
-/// those left are compared with those at the start. We read c_thres as the share that must be left
-/// for a plan to be worth pursuing, which keeps the fleet near to what it discovers.
+/// A robot waits for a new plan once c_thres (80 or 50 %) of the elements its plan was made for are
+/// complete [000 §2.5.3 item 3]. A smaller share keeps a fleet near to what it discovers.
 struct UtilityCheck {
-  double threshold = 0.2;  ///< 1 - c_thres: share of the initial elements complete, in (0, 1].
+  double threshold = 0.8;  ///< c_thres: share of the initial elements complete, in (0, 1].
 
   /// `initial` elements when the plan was made, `left` of them still incomplete. A plan without
   /// any is always done.

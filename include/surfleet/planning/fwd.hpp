@@ -6,26 +6,27 @@
 namespace surfleet {
 struct CoverageTour;
 struct CoverageTourOptions;
+class Interest;
+struct InterestOptions;
 struct KindSpace;
 struct KnownSurface;
-struct LoneClimbOptions;
+class LatticeViews;
 struct NamedPlanner;
-struct OpeningLookOptions;
 class OpeningLooks;
 struct Plan;
 struct PlannerSettings;
-class RatePlanner;
-struct RatePlannerOptions;
 struct ReplanRule;
 struct RobotKind;
 struct RobotState;
+class RollingTours;
+struct RollingToursOptions;
 struct SpaceLooksOptions;
 struct Stop;
 class SurfaceBelief;
 struct SurfaceBeliefOptions;
-struct TourAheadOptions;
-struct TourAheadStop;
+struct TeamTourOptions;
+struct TeamTourStop;
 struct TourPlannerOptions;
-struct ToursBehindOptions;
-struct TourSite;
+struct TourStart;
+class ViewsInVain;
 }  // namespace surfleet

@@ -18,20 +18,24 @@
 namespace surfleet {
 struct NamedPlanner {
   std::string_view name;
-  /// Whether clusters have a greatest extent; the published planners set none.
-  bool bounded_clusters = true;
+  /// Whether it is a published planner just as it is printed: clusters without a greatest extent,
+  /// views whose rays end at the first voxel that is not empty, flight and sight through voxels of
+  /// the whole weight W_th only, a new plan where c_thres of one is complete, and no views that
+  /// open space where it is stuck [000 Alg. 1–4].
+  bool as_printed = false;
+
+  /// `SurfaceBeliefOptions::observed_share` that it is flown with.
+  double observed_share() const { return as_printed ? 1.0 : 0.15; }
 };
 
 /// The first is the library's own.
-inline constexpr std::array<NamedPlanner, 9> kPlanners{{
+inline constexpr std::array<NamedPlanner, 7> kPlanners{{
     {.name = "surfleet"},
-    {.name = "tsga", .bounded_clusters = false},
-    {.name = "nnb", .bounded_clusters = false},
-    {.name = "nnb-exclusive"},
-    {.name = "tsga-async", .bounded_clusters = false},
-    {.name = "tsga-improved"},
+    {.name = "tsga", .as_printed = true},
+    {.name = "nnb", .as_printed = true},
+    {.name = "tsga-plus"},
+    {.name = "nnb-plus"},
     {.name = "makespan"},
-    {.name = "rate"},
     {.name = "tours"},
 }};
 

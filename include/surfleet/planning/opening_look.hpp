@@ -15,23 +15,12 @@
 #include <surfleet/viewpoint/space_look.hpp>
 
 namespace surfleet {
-struct OpeningLookOptions {
-  double ahead_share = 0.75;  ///< So much of the way is to be opened, over the camera's range.
-  double sight_share = 0.85;  ///< Farthest look that counts, over the camera's range.
-  double aside_share = 1.0;   ///< So far off the way to its known end looks may be, over the range.
-  double stop_cost = 2.0;     ///< What a look costs beside its flight [m].
-  double falloff = 0.3;       ///< Space d metres ahead counts 1 / (1 + falloff d) [1/m].
-  int max_looks = 3;          ///< At a piece of space before it is given up.
-};
-
 /// Sends a robot to look at the unknown space that a body needs on its way: the look of the most
 /// such space per metre it costs beside the way. Space that stays unknown after some looks is not
 /// asked for again. For one mission.
 class OpeningLooks {
  public:
-  OpeningLookOptions options;
-
-  explicit OpeningLooks(OpeningLookOptions o = {}) : options(o) {}
+  int max_looks = 3;  ///< At a piece of space before it is given up.
 
   /// A look for a robot at `from`, or beside it at `start`, which is free; not the look it has just
   /// made. `way` begins at the last place known to be free, where the robot could be already.
@@ -45,32 +34,38 @@ class OpeningLooks {
     SpaceCells cells(space.map());
     std::map<SpaceCells::Cell, double> wanted;
     double along = 0.0;
-    looks_.max_looks = options.max_looks;
-    for (std::size_t k = 1; k < way.size() && along < options.ahead_share * range; ++k) {
+    looks_.max_looks = max_looks;
+    for (std::size_t k = 1; k < way.size() && along < kAhead * range; ++k) {
       along += (way[k] - way[k - 1]).norm();
       cells.has_room(way[k], space.required_distance(), [&](const SpaceCells::Cell& c) {
-        if (!looks_.given_up(c)) wanted.try_emplace(c, 1.0 / (1.0 + options.falloff * along));
+        if (!looks_.given_up(c)) wanted.try_emplace(c, 1.0 / (1.0 + kFalloff * along));
       });
     }
     if (wanted.empty()) return std::nullopt;
     std::vector<SpaceLooks::Wanted> list;
     for (const auto& [cell, worth] : wanted) list.push_back({cell, worth});
     SpaceLooks::Search search(looks_, lattice, std::move(list), space.map(),
-                              situation.space().headings, options.sight_share * range);
+                              situation.space().headings, kSight * range);
     const Point3& last = way.front();
     const double direct = (last - start).norm();
-    const auto look = search.best(
-        start, {.farthest = direct + options.aside_share * range, .saved = direct, .made = from},
-        [&](const auto& site) {
-          if (!reach(site.position)) return std::numeric_limits<double>::infinity();
-          return site.distance + (site.position - last).norm() - direct + options.stop_cost;
-        });
+    const auto look =
+        search.best(start, {.farthest = direct + kAside * range, .saved = direct, .made = from},
+                    [&](const auto& site) {
+                      if (!reach(site.position)) return std::numeric_limits<double>::infinity();
+                      return site.distance + (site.position - last).norm() - direct + kStopCost;
+                    });
     if (!look) return std::nullopt;
     search.take(*look);
     return Stop{look->configuration, {}};
   }
 
  private:
+  static constexpr double kAhead = 0.75;    ///< So much of the way is to be opened, over the range.
+  static constexpr double kSight = 0.85;    ///< Farthest look that counts, over the range.
+  static constexpr double kAside = 1.0;     ///< Looks may be so far off the way, over the range.
+  static constexpr double kStopCost = 2.0;  ///< What a look costs beside its flight [m].
+  static constexpr double kFalloff = 0.3;   ///< Space d metres ahead counts 1 / (1 + d kFalloff).
+
   SpaceLooks looks_;
 };
 }  // namespace surfleet

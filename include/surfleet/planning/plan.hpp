@@ -70,11 +70,6 @@ struct Situation {
 };
 using SurfaceSituation = Situation<SurfaceBelief>;
 
-/// Height of the region over the camera's range.
-inline double relative_height(const SurfaceSituation& s) {
-  return s.belief.region().sizes().z() / s.space().kind.camera.max_range;
-}
-
 /// When the next plan is wanted, and how robots come to follow it.
 struct ReplanRule {
   /// When this share of what a route was made for is complete; if not said, the fleet's own share
@@ -102,8 +97,8 @@ struct Plan {
 };
 
 /// A high-level planner: turns what is believed into routes. It may keep state between calls, of
-/// that belief, so a planner is for one mission. Models: `TourPlanner` (TSGA, NNB and their kin),
-/// `RatePlanner`, `RateThenTours`, `ToursBehind`, `WithSpaceLooks`.
+/// that belief, so a planner is for one mission. Models: `RollingTours`, `TourPlanner` (TSGA, NNB
+/// and their kin), `WithSpaceLooks`.
 template <typename P>
 concept FleetPlanner = requires(P& planner, const SurfaceSituation& situation) {
   { planner(situation) } -> std::same_as<Plan>;

@@ -17,7 +17,9 @@ struct PlannerSettings {
   double lambda_tc = 0.3, lambda_ic = 0.03;  ///< Penalties of travel [1/m].
   MergeOptions merge{};
   double speed = 0.6, yaw_rate = 0.8;  ///< Of the robots [m/s, rad/s]; what stops cost.
-  /// 1 − c_thres; if given, also for those planners that have one of their own.
+  /// c_thres of TSGA as it is printed: what is complete of a route when a new plan is wanted.
+  double printed_share = 0.8;
+  /// The same of whatever planner, in place of its own.
   std::optional<double> utility_share{};
 };
 }  // namespace surfleet

@@ -104,6 +104,9 @@ struct TourPlannerOptions {
   /// Where a team has fewer clusters than this for each robot, they are made finer, as far as there
   /// are views: a single one cannot be shared. The published method has no such bound.
   std::size_t least_clusters = 0;
+  /// Whether rays that tell what a view is worth end at the first voxel that is not empty [000
+  /// §2.4.3]; if not, they pass what is unknown.
+  bool sight_ends_at_unknown = false;
   ExponentialUtility utility;  ///< λ_tc and λ_ic.
   StopDistance cost;           ///< Of the way to each viewpoint; the published one is its length.
   /// Whether robots that are on their way keep their route, and only those without get a new one
@@ -185,7 +188,8 @@ class TourPlanner {
     const ViewAccess access(reach, views);
     std::vector<ViewpointCluster> clusters =
         share_out(access, views, situation.space().roadmap, serve.size());
-    const IncompleteSurfaceGain gain(elements, situation.belief.observed(), frustum);
+    const IncompleteSurfaceGain gain(elements, situation.belief.observed(), frustum,
+                                     {.unknown_blocks = options.sight_ends_at_unknown});
     const auto seen =
         seen_(views, elements, frustum, [&](const Configuration& q) { return gain.seen(q); });
     assign_gains(gain, seen, clusters);

@@ -19,7 +19,7 @@ struct MissionPreset {
   double standoff = 4.7;                     ///< δ_pose, distance of a view [m].
   double cluster_radius = 2.0;               ///< d_ν [m].
   double lambda_tc = 0.3, lambda_ic = 0.03;  ///< Penalties of travel [1/m].
-  double utility_share = 0.2;                ///< 1 − c_thres.
+  double printed_share = 0.8;                ///< c_thres.
 };
 
 inline MissionPreset powerplant_preset() { return {}; }
@@ -33,7 +33,7 @@ inline MissionPreset statue_preset() {
           .cluster_radius = 2.5,
           .lambda_tc = 0.17,
           .lambda_ic = 0.15,
-          .utility_share = 0.5};
+          .printed_share = 0.5};
 }
 /// powerplant or statue. Throws `Error` for another name, which says that and `others`.
 inline MissionPreset published_preset(std::string_view name, std::string_view others = "") {

@@ -12,7 +12,6 @@ class HeadingTable;
 struct IncompleteElement;
 class IncompleteSurfaceGain;
 struct IncompleteSurfaceOptions;
-struct LeftBelowOptions;
 enum class LeftReason : std::uint8_t;
 class LineOfSight;
 class LookBound;

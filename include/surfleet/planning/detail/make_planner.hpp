@@ -8,37 +8,75 @@
 #include <utility>
 
 #include <surfleet/core/compiled.hpp>
+#include <surfleet/core/error.hpp>
 #include <surfleet/planning/default_planner.hpp>
 #include <surfleet/planning/named_planners.hpp>
+#include <surfleet/planning/tour_planner.hpp>
 
 namespace surfleet {
+namespace detail {
+/// By which an update of the map is told, at every one of which NNB chooses [000 §3.6.1].
+inline constexpr double kMapUpdate = 0.1;
+
+inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
+  TourPlannerOptions tours;
+  tours.distance = s.standoff;
+  tours.clusters = {
+      .radius = s.cluster_radius, .max_radius = s.cluster_max_radius, .max_extent = 0.0};
+  tours.by_path = s.cluster_by_path;
+  tours.sight_ends_at_unknown = true;
+  tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
+  tours.asynchronous = true;
+  tours.replan.utility_share = s.utility_share.value_or(s.printed_share);
+  return tours;
+}
+/// With bounded clusters, sight through what is unknown, and plans for all at once.
+inline TourPlannerOptions own_tours(const PlannerSettings& s) {
+  TourPlannerOptions tours = printed_tours(s);
+  tours.clusters.max_extent = 2.0 * s.cluster_max_radius;
+  tours.sight_ends_at_unknown = false;
+  tours.asynchronous = false;
+  tours.replan.utility_share = s.utility_share;
+  return tours;
+}
+/// Finer clusters, stops put in order by what they cost.
+inline TourPlannerOptions reordered_tours(const PlannerSettings& s) {
+  TourPlannerOptions tours = own_tours(s);
+  tours.reorder_stops = true;
+  tours.least_clusters = 8;
+  // A stop takes some two seconds, with the braking before it and the images there.
+  tours.cost = {.stop = 2.0 * s.speed, .turn = s.speed / s.yaw_rate};
+  return tours;
+}
+}  // namespace detail
+
 SURFLEET_INLINE AnyPlanner make_planner(std::string_view name, const PlannerSettings& settings) {
-  const TourPlannerOptions tours =
-      published_tours(settings, planner_by_name(name).bounded_clusters);
-  TourPlannerOptions asynchronous = tours;
-  asynchronous.asynchronous = true;
+  const NamedPlanner& named = planner_by_name(name);
   const auto made = [&](auto planner) {
     if constexpr (requires { planner.select.merge; }) planner.select.merge = settings.merge;
+    if (named.as_printed) return AnyPlanner(std::move(planner));
     return AnyPlanner(
         WithSpaceLooks(std::move(planner), SpaceLooksOptions{.distance = settings.standoff}));
   };
   if (name == "surfleet") return default_planner(settings);
-  if (name == "tsga") return made(TsgaPlanner(tours));
-  if (name == "nnb-exclusive") return made(NnbPlanner(asynchronous));
+  if (name == "tsga") return made(TsgaPlanner(detail::printed_tours(settings)));
   if (name == "nnb") {
-    // As printed: every robot chooses for itself, and two may choose the same cluster.
-    asynchronous.exclusive = false;
-    // It chooses anew "every time the ISE map is updated" [000 §3.6.1].
-    asynchronous.replan.utility_share = settings.utility_share.value_or(0.1);
-    NnbPlanner planner(asynchronous);
+    // Every robot chooses for itself, and two may choose the same cluster.
+    TourPlannerOptions tours = detail::printed_tours(settings);
+    tours.exclusive = false;
+    tours.replan.utility_share = settings.utility_share.value_or(detail::kMapUpdate);
+    NnbPlanner planner(tours);
     planner.allocate.rule.exclusive = false;
     return made(std::move(planner));
   }
-  if (name == "tsga-async") return made(TsgaPlanner(asynchronous));
-  if (name == "tsga-improved") return made(ImprovedTsgaPlanner(tours));
-  if (name == "makespan") return made(MakespanPlanner(tours));
-  if (name == "tours") return made(CoverPlanner(reordered_tours(settings)));
-  if (name == "rate") return made(RatePlanner(rate_options(settings)));
+  if (name == "tsga-plus") return made(ImprovedTsgaPlanner(detail::own_tours(settings)));
+  if (name == "nnb-plus") {
+    TourPlannerOptions tours = detail::own_tours(settings);
+    tours.asynchronous = true;
+    return made(NnbPlanner(tours));
+  }
+  if (name == "makespan") return made(MakespanPlanner(detail::own_tours(settings)));
+  if (name == "tours") return made(CoverPlanner(detail::reordered_tours(settings)));
   throw Error("planner " + std::string(name) + ": named, but not made");
 }
 }  // namespace surfleet

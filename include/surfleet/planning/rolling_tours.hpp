@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief A planner by tours of the whole team, begun and planned anew as the map grows.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <surfleet/motion/flight_lattice.hpp>
+#include <surfleet/motion/optimistic_lattice.hpp>
+#include <surfleet/motion/taut_path.hpp>
+#include <surfleet/planning/interest.hpp>
+#include <surfleet/planning/lattice_views.hpp>
+#include <surfleet/planning/opening_look.hpp>
+#include <surfleet/planning/plan.hpp>
+#include <surfleet/planning/team_tour.hpp>
+
+namespace surfleet {
+struct RollingToursOptions {
+  InterestOptions interest;
+  double view_range = 0.85;       ///< Farthest view that counts, over the camera's range.
+  double stop_share = 0.125;      ///< What a stop costs beside its flight, over the range.
+  double turn_cost = 0.1;         ///< What turning costs [m/rad].
+  double keep = 1.3;              ///< See `TeamTourOptions`.
+  double balance = 0.3;           ///< The same.
+  int stops = 10;                 ///< Of each robot's tour.
+  double spacing_share = 0.15;    ///< Lattice spacing over the camera's range.
+  OptimisticLatticeOptions ways;  ///< What ways cost that are not known.
+  double unknown_gain = 0.7;      ///< Of a view from unknown space, over that of one from known.
+  /// So far beside their places stops may be for a shorter way, over the range.
+  double slack = 0.2;
+  double utility_share = 0.2;  ///< A new plan is wanted when so much of a route is complete.
+};
+
+/// Tours of the whole team over all there is to see, rolled on with every image.
+///
+/// What is worth seeing is told by `Interest`; a stop is a node of the flight lattice and a
+/// heading. Each plan makes a tour for every robot by gain per metre inserted (`TeamTours`), in
+/// space that is known or may be free; robots under way keep the stops they were given, and their
+/// tours go on from there. Who is asked for is given the first stops of its tour, or the look that
+/// opens most of the way where that is not known. The rule is the same for one robot and for many.
+///
+/// It remembers what it has seen of the map: one planner for one mission.
+class RollingTours {
+ public:
+  RollingToursOptions options;
+
+  explicit RollingTours(RollingToursOptions o = {}) : options(o), interest_(o.interest) {}
+
+  Plan operator()(const SurfaceSituation& s) {
+    const double range = s.space().kind.camera.max_range;
+    FlightLattice<FreeSpace>& lattice = follow(s.space().free, options.spacing_share * range);
+    const SightTargets<> targets(interest_(s), MapSight(s.belief.observed()), s.space().headings,
+                                 {.max_range = options.view_range * range});
+    for (const RobotId id : s.asked) note_what_is_left(s, targets, lattice, s.robot(id).at);
+    Plan plan;
+    plan.replan = {
+        .utility_share = options.utility_share, .turn_in_flight = true, .watch_on = true};
+    for (const RobotId id : s.asked) plan.routes[id];
+    // From everywhere only where there is nothing to be seen from some places.
+    constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+    const bool found = plan_within(kReach * range, kFine * range, s, targets, lattice, plan) ||
+                       plan_within(kAnywhere, kAnywhere, s, targets, lattice, plan);
+    const bool nowhere = !found && s.asked.size() == s.team.size();
+    for (const IncompleteElement& e : s.goals) {
+      if (!s.belief.ledger().fresh(e.voxel))
+        plan.impossible.emplace_back(e.voxel, LeftReason::seen_incomplete);
+      else if (nowhere)
+        plan.impossible.emplace_back(e.voxel, LeftReason::no_free_pose);
+    }
+    return plan;
+  }
+
+ private:
+  using Lattice = FlightLattice<FreeSpace>;
+  /// Of a robot that is asked for: where it starts, and what can be reached from there.
+  struct Asked {
+    RobotId id;
+    Point3 start;
+    LazyPrmStar::Reach reach;
+  };
+
+  /// Stops may be so far off at the most, and up to `fine` at every node of the lattice, beyond it
+  /// at every other one along each axis. Whether anybody was given anything.
+  bool plan_within(double farthest, double fine, const SurfaceSituation& s,
+                   const SightTargets<>& targets, Lattice& lattice, Plan& plan) {
+    const double range = s.space().kind.camera.max_range;
+    LatticeViews views(targets, lattice, s.space().headings, vain_, options.unknown_gain);
+    std::vector<TourStart> starts;
+    std::vector<Asked> asked;
+    for (const RobotState& robot : s.team) {
+      if (!s.is_asked(robot.id)) {
+        for (const Stop& stop : robot.route) views.mark(stop.configuration);
+        continue;
+      }
+      const Point3 start = s.space().free.free_start(robot.at.position);
+      asked.push_back({robot.id, start, s.space().roadmap.reach_from(start)});
+      starts.push_back({robot.at, {}, options.stops});
+    }
+    // Sites, and the ways there of those who are asked for.
+    std::vector<Point3> sites;
+    std::unordered_map<std::size_t, std::size_t> numbers;  // of sites, by node
+    optimistic_.options = options.ways;
+    optimistic_.follow(s.space().free, lattice.spacing());
+    std::vector<std::unordered_map<std::size_t, double>> found(asked.size());
+    for (std::size_t a = 0; a < asked.size(); ++a) {
+      optimistic_.search(asked[a].start, lattice, [&](const auto& site, bool known) {
+        if (site.distance > farthest) return false;
+        const bool coarse = ((site.cell.x() | site.cell.y() | site.cell.z()) & 1) == 0;
+        if ((coarse || site.distance <= fine) && views.any(site.cell) &&
+            (!known || asked[a].reach(site.position))) {
+          const auto [it, fresh] = numbers.try_emplace(lattice.index(site.cell), sites.size());
+          if (fresh) {
+            sites.push_back(site.position);
+            views.add({site.cell, known});
+          }
+          found[a][it->second] = site.distance;
+        }
+        return true;
+      });
+    }
+    for (std::size_t a = 0; a < asked.size(); ++a) {
+      starts[a].distance.assign(sites.size(), std::numeric_limits<double>::infinity());
+      for (const auto& [site, distance] : found[a]) starts[a].distance[site] = distance;
+      if (const auto goal = goals_.find(asked[a].id); goal != goals_.end())
+        if (const auto it = numbers.find(goal->second); it != numbers.end())
+          starts[a].goal = it->second;
+    }
+    // Who is under way goes on from its last stop.
+    for (const RobotState& robot : s.team) {
+      if (s.is_asked(robot.id) || robot.route.empty()) continue;
+      TourStart start{robot.route.back().configuration,
+                      {},
+                      options.stops - static_cast<int>(robot.route.size()),
+                      {},
+                      false};
+      for (const Point3& p : sites) start.distance.push_back((p - start.from.position).norm());
+      starts.push_back(std::move(start));
+    }
+    std::vector<char> done(views.done().begin(), views.done().end());
+    const auto tours = TeamTours(starts, sites, views,
+                                 {.stop_cost = options.stop_share * range,
+                                  .turn_cost = options.turn_cost,
+                                  .keep = options.keep,
+                                  .balance = options.balance})();
+    bool any = false;
+    for (std::size_t a = 0; a < asked.size(); ++a) {
+      goals_.erase(asked[a].id);
+      if (tours[a].empty()) continue;
+      Stops& route = plan.routes[asked[a].id];
+      if (views[tours[a].front().site].known) {
+        route = begin(s, targets, views, asked[a], tours[a], sites, done);
+        goals_[asked[a].id] = views.node(tours[a].front().site);
+      } else {
+        optimistic_.search(asked[a].start, lattice, [&](const auto& site, bool) {
+          return site.cell != views[tours[a].front().site].cell;
+        });
+        std::vector<Point3> way{asked[a].start};
+        for (const VoxelIndex& c : optimistic_.way_to(views[tours[a].front().site].cell)) {
+          if (way.size() == 1 && lattice.is_free(c)) way.clear();
+          way.push_back(lattice.position(c));
+        }
+        if (auto look =
+                opening_(s, lattice, asked[a].reach, s.robot(asked[a].id).at, asked[a].start, way))
+          route = {*look};
+      }
+      any = any || !route.empty();
+    }
+    return any;
+  }
+
+  /// The first stops of a tour, as far as they are in known space, moved for a shorter way.
+  Stops begin(const SurfaceSituation& s, const SightTargets<>& targets, const LatticeViews& views,
+              const Asked& robot, std::span<const TeamTourStop> tour, std::span<const Point3> sites,
+              std::vector<char>& done) {
+    const double range = s.space().kind.camera.max_range;
+    std::vector<Point3> places;
+    for (const TeamTourStop& stop : tour) places.push_back(sites[stop.site]);
+    const std::vector<Point3> taut = taut_path(robot.start, places, options.slack * range);
+    Stops route;
+    std::erase_if(moved_, [&](const Moved& m) { return m.robot == robot.id; });
+    for (std::size_t k = 0; k < std::min(tour.size(), kGiven); ++k) {
+      const LatticeViews::Site& site = views[tour[k].site];
+      if (!site.known) break;
+      const Configuration at{places[k], heading_angle(tour[k].heading)};
+      const Configuration moved{place_beside(s, targets, at, tour[k].heading, taut[k], done),
+                                at.yaw};
+      if (moved.position != at.position) moved_.push_back({robot.id, moved.position, site.cell});
+      Stop stop{moved, {}};
+      mark_in_view(targets.seen_from(moved.position), tour[k].heading, done, [&](std::size_t id) {
+        for (const std::int32_t i : interest_.goals(id))
+          stop.targets.push_back(s.goals[static_cast<std::size_t>(i)].voxel);
+      });
+      route.push_back(std::move(stop));
+    }
+    return route;
+  }
+  /// As near to `wish` as a view still shows enough of what it shows from its place.
+  Point3 place_beside(const SurfaceSituation& s, const SightTargets<>& targets,
+                      const Configuration& at, int heading, const Point3& wish,
+                      std::span<const char> done) const {
+    const auto gain = [&](const Point3& p) {
+      return worth_by_heading(targets, targets.seen_from(p),
+                              done)[static_cast<std::size_t>(heading)];
+    };
+    const double whole = gain(at.position);
+    for (const double share : {1.0, 0.67, 0.33}) {
+      const Point3 p = at.position + share * (wish - at.position);
+      if ((p - at.position).norm() < kLeastMove) break;
+      if (s.space().free.is_free(p) && s.space().free.is_free_segment(p, at.position) &&
+          gain(p) >= kEnough * whole)
+        return p;
+    }
+    return at.position;
+  }
+
+  /// The lattice of the mission's free space, as that is now.
+  Lattice& follow(const FreeSpace& space, double spacing) {
+    if (!lattice_ || &lattice_->space() != &space || lattice_->spacing() != spacing ||
+        followed_ > space.revision()) {
+      lattice_.emplace(space, space.options().bounds, spacing);
+    } else {
+      for (const std::uint32_t slot : space.changed_since(followed_))
+        lattice_->forget(space.influence(slot));
+    }
+    followed_ = space.revision();
+    return *lattice_;
+  }
+  /// What is still in view from where a robot stands its look did not bring.
+  void note_what_is_left(const SurfaceSituation& s, const SightTargets<>& targets, Lattice& lattice,
+                         const Configuration& at) {
+    const auto moved = std::find_if(moved_.begin(), moved_.end(), [&](const Moved& m) {
+      return (m.at - at.position).norm() <= kSamePlace;
+    });
+    const VoxelIndex cell = moved == moved_.end() ? lattice.nearest(at.position) : moved->cell;
+    const Point3 place = lattice.position(cell);
+    const int heading = nearest_heading(at.yaw);
+    if ((moved == moved_.end() && (place - at.position).norm() > kSamePlace) ||
+        std::abs(wrap_angle(heading_angle(heading) - at.yaw)) > kSamePlace)
+      return;
+    const std::vector<Sighting> seen = targets.seen_from(place);
+    std::vector<char> done(targets.size(), 0);
+    const double gain = worth_by_heading(targets, seen, done)[static_cast<std::size_t>(heading)];
+    if (!vain_.note(lattice.index(cell), heading, gain))
+      return;  // A robot that stands there still has not looked anew.
+    mark_in_view(seen, heading, done, [&](std::size_t id) {
+      interest_.looked_in_vain(id, targets[id].position, s.belief.known().voxel_size());
+    });
+  }
+
+  /// A stop that was moved off its node of the lattice.
+  struct Moved {
+    RobotId robot;
+    Point3 at;
+    VoxelIndex cell;
+  };
+  static constexpr double kReach = 8.0, kFine = 1.0;  ///< See `plan_within`, over the range.
+  static constexpr std::size_t kGiven = 2;            ///< Stops given out to each robot at a time.
+  static constexpr double kEnough = 0.7;              ///< Of a view's gain, for it to be moved.
+  static constexpr double kLeastMove = 0.05;          ///< Of a stop [m].
+  static constexpr double kSamePlace = 0.02;          ///< [m, rad]
+
+  Interest interest_;
+  OptimisticLattice optimistic_;
+  OpeningLooks opening_;
+  ViewsInVain vain_;
+  std::optional<Lattice> lattice_;
+  std::uint64_t followed_ = 0;            // revision of its space
+  std::vector<Moved> moved_;              // of the stops given out last
+  std::map<RobotId, std::size_t> goals_;  // the node each was sent to
+};
+}  // namespace surfleet

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief Tours of a team by gain per metre inserted.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <surfleet/allocation/cheapest_insertion.hpp>
+#include <surfleet/allocation/hamiltonian_path.hpp>
+#include <surfleet/allocation/lin_kernighan.hpp>
+#include <surfleet/core/rotation.hpp>
+#include <surfleet/core/types.hpp>
+#include <surfleet/viewpoint/sight_targets.hpp>
+
+namespace surfleet {
+/// What a place would show at each heading [m²].
+using GainByHeading = std::array<double, kHeadings>;
+
+/// What views from sites would show, as stops are taken one after the other.
+///
+/// `look(s, enough, gain)` is no less than the gain of the best view from site s; if it is above
+/// `enough` it is that, and `gain` is by heading, so what is clearly too little need not be looked
+/// at. It never grows. `take(s, heading)` says that what is seen there counts no more.
+template <typename V>
+concept ViewsFromSites = requires(V& views, std::size_t s, double enough, GainByHeading& gain,
+                                  int heading) {
+  { views.look(s, enough, gain) } -> std::convertible_to<double>;
+  views.take(s, heading);
+};
+
+struct TeamTourOptions {
+  double stop_cost = 1.0;  ///< What a stop costs beside its detour; more than 0 [m].
+  double turn_cost = 0.1;  ///< What turning costs [m/rad].
+  double keep = 1.3;       ///< Gain of the goal a robot is on its way to, over that of another.
+  /// What a metre costs that a robot's tour is longer than the shortest of the team: others are
+  /// there sooner.
+  double balance = 0.3;
+};
+/// Where a robot's tour begins.
+struct TourStart {
+  Configuration from;
+  std::vector<double> distance;       ///< Its way to each site [m]; infinite where there is none.
+  int stops = 10;                     ///< At the most.
+  std::optional<std::size_t> goal{};  ///< The site it is on its way to.
+  /// Whether the order of the tour is asked for, or only what it leaves to the others.
+  bool asked = true;
+};
+struct TeamTourStop {
+  std::size_t site = 0;
+  int heading = 0;
+  double rate = 0.0;  ///< Its gain over what it cost when it was inserted.
+};
+
+/// Stops for each robot in the order of the visit: those of the most gain per metre inserted, one
+/// after the other wherever in the team's tours they cost least, each tour then put in the shortest
+/// order. What pays best alone may be the end of a tour, and what lies on the way is not left to be
+/// come back for.
+///
+/// Ways between stops are taken as straight. O(robots · stops · sites), and the views that `views`
+/// has to take.
+template <ViewsFromSites Views>
+class TeamTours {
+ public:
+  /// All must outlive the object.
+  TeamTours(std::span<const TourStart> team, std::span<const Point3> sites, Views& views,
+            const TeamTourOptions& options)
+      : sites_(sites), views_(&views), options_(options) {
+    tours_.reserve(team.size());
+    for (const TourStart& start : team) tours_.emplace_back(start, sites);
+  }
+
+  std::vector<std::vector<TeamTourStop>> operator()() {
+    std::vector<double> most(sites_.size(), std::numeric_limits<double>::infinity());
+    while (const auto best = best_insertion(most)) {
+      tours_[best->tour].insert(best->stop, best->leg, options_.stop_cost);
+      views_->take(best->stop.site, best->stop.heading);
+    }
+    std::vector<std::vector<TeamTourStop>> ordered;
+    for (const Tour& tour : tours_)
+      ordered.push_back(tour.start->asked ? in_order(tour) : tour.stops);
+    return ordered;
+  }
+
+ private:
+  struct Tour {
+    Tour(const TourStart& s, std::span<const Point3> all)
+        : start(&s), sites(all), insertion(all.size(), legs, Distance{this}) {}
+    Tour(const Tour&) = delete;
+    Tour& operator=(const Tour&) = delete;
+    Tour(Tour&&) = default;  // for a vector that does not grow
+
+    struct Distance {
+      const Tour* tour;
+      double operator()(std::size_t k, std::size_t s) const { return tour->distance(k, s); }
+    };
+    const Point3& position(std::size_t k) const {
+      return k == 0 ? start->from.position : sites[stops[k - 1].site];
+    }
+    double yaw(std::size_t k) const {
+      return k == 0 ? start->from.yaw : heading_angle(stops[k - 1].heading);
+    }
+    double distance(std::size_t k, std::size_t s) const {
+      return k == 0 ? start->distance[s] : (position(k) - sites[s]).norm();
+    }
+    bool full() const {
+      return stops.size() >= static_cast<std::size_t>(std::max(start->stops, 0));
+    }
+    void insert(const TeamTourStop& stop, std::size_t leg, double stop_cost) {
+      length += insertion[stop.site].extra + stop_cost;
+      const double way = distance(leg, stop.site);
+      const auto at = static_cast<std::ptrdiff_t>(leg);
+      stops.insert(stops.begin() + at, stop);
+      legs.insert(legs.begin() + at, way);
+      if (leg + 1 < stops.size()) legs[leg + 1] = distance(leg + 1, stops[leg + 1].site);
+      insertion.inserted(leg, legs, Distance{this});
+    }
+
+    const TourStart* start;
+    std::span<const Point3> sites;
+    std::vector<TeamTourStop> stops;
+    std::vector<double> legs;
+    double length = 0.0;
+    CheapestInsertion insertion;
+  };
+  struct Insertion {
+    TeamTourStop stop;
+    std::size_t tour = 0, leg = 0;
+  };
+
+  double turn(double a, double b) const { return options_.turn_cost * std::abs(wrap_angle(a - b)); }
+  double turn_at(const Tour& tour, std::size_t leg, double yaw) const {
+    const double before = turn(tour.yaw(leg), yaw);
+    return leg == tour.stops.size()
+               ? before
+               : before + turn(yaw, tour.yaw(leg + 1)) - turn(tour.yaw(leg), tour.yaw(leg + 1));
+  }
+
+  std::optional<Insertion> best_insertion(std::vector<double>& most) {
+    std::optional<Insertion> best;
+    double best_rate = 0.0, shortest = std::numeric_limits<double>::infinity();
+    for (const Tour& t : tours_)
+      if (!t.full()) shortest = std::min(shortest, t.length);
+    std::vector<double> cost(tours_.size()), least(tours_.size());
+    GainByHeading gain;
+    for (std::size_t s = 0; s < sites_.size(); ++s) {
+      double cheapest = std::numeric_limits<double>::infinity();
+      for (std::size_t t = 0; t < tours_.size(); ++t) {
+        const Tour& tour = tours_[t];
+        cost[t] = std::numeric_limits<double>::infinity();
+        if (tour.full() || std::isinf(tour.start->distance[s])) continue;
+        const double keep = tour.start->goal == s ? 1.0 / options_.keep : 1.0;
+        cost[t] = keep * (std::max(tour.insertion[s].extra, 0.0) + options_.stop_cost +
+                          options_.balance * (tour.length - shortest));
+        // Turning may come for less than nothing, but never for so much less.
+        least[t] =
+            std::max(cost[t] - 2.0 * kPi * options_.turn_cost, 0.5 * keep * options_.stop_cost);
+        cheapest = std::min(cheapest, least[t]);
+      }
+      if (std::isinf(cheapest) || most[s] <= best_rate * cheapest) continue;
+      most[s] = views_->look(s, best_rate * cheapest, gain);
+      if (most[s] <= best_rate * cheapest) continue;
+      for (std::size_t t = 0; t < tours_.size(); ++t) {
+        if (std::isinf(cost[t])) continue;
+        const std::size_t leg = tours_[t].insertion[s].leg;
+        for (std::size_t k = 0; k < kHeadings; ++k) {
+          const int heading = static_cast<int>(k);
+          if (gain[k] <= best_rate * least[t]) continue;
+          const double metres =
+              std::max(cost[t] + turn_at(tours_[t], leg, heading_angle(heading)), least[t]);
+          if (gain[k] <= best_rate * metres) continue;
+          best_rate = gain[k] / metres;
+          best = Insertion{{s, heading, best_rate}, t, leg};
+        }
+      }
+    }
+    return best;
+  }
+  std::vector<TeamTourStop> in_order(const Tour& tour) const {
+    const auto length = [&](int i, int j) {
+      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+      return tour.distance(b, tour.stops[a - 1].site) + turn(tour.yaw(a), tour.yaw(b));
+    };
+    std::vector<TeamTourStop> ordered;
+    for (const int i :
+         shortest_hamiltonian_path(static_cast<int>(tour.stops.size()) + 1, length, LinKernighan{})
+             .order)
+      if (i > 0) ordered.push_back(tour.stops[static_cast<std::size_t>(i) - 1]);
+    return ordered;
+  }
+
+  std::span<const Point3> sites_;
+  Views* views_;
+  TeamTourOptions options_;
+  std::vector<Tour> tours_;
+};
+}  // namespace surfleet

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/planning/team_tour.hpp>
+//
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <span>
+#include <vector>
+
+#include <surfleet/core/random.hpp>
+#include <surfleet/motion/optimistic_lattice.hpp>
+#include <surfleet/planning/opening_look.hpp>
+#include <surfleet/planning/rolling_tours.hpp>
+#include <surfleet/viewpoint/view_frustum.hpp>
+
+#include "check.hpp"
+#include "paint_states.hpp"
+#include "still_mission.hpp"
+
+namespace {
+using namespace surfleet;
+
+/// Views that show things of a gain each, by site and heading. Bounds are loose or exact.
+struct ListedViews {
+  std::vector<std::array<std::vector<int>, kHeadings>> shows;
+  std::vector<double> things;
+  bool loose = false;
+  int asked = 0;
+
+  double gain(std::size_t s, std::size_t heading) const {
+    double sum = 0.0;
+    for (const int i : shows[s][heading]) sum += things[static_cast<std::size_t>(i)];
+    return sum;
+  }
+  double look(std::size_t s, double enough, GainByHeading& by_heading) {
+    for (std::size_t k = 0; k < kHeadings; ++k) by_heading[k] = gain(s, k);
+    const double most = *std::max_element(by_heading.begin(), by_heading.end());
+    if (loose && most < enough) {
+      by_heading.fill(1e9);  // not to be read
+      return enough;
+    }
+    ++asked;
+    return most;
+  }
+  void take(std::size_t s, int heading) {
+    for (const int i : shows[s][static_cast<std::size_t>(heading)])
+      things[static_cast<std::size_t>(i)] = 0.0;
+  }
+};
+static_assert(ViewsFromSites<ListedViews> && !ViewsFromSites<int>);
+
+struct Scattered {
+  std::vector<Point3> sites;
+  ListedViews views;
+  std::vector<TourStart> team;
+
+  std::vector<std::vector<TeamTourStop>> tours(const TeamTourOptions& options) {
+    return TeamTours(team, sites, views, options)();
+  }
+};
+Scattered scattered(std::uint64_t seed, int robots, int stops) {
+  Random random(seed);
+  Scattered all;
+  const auto place = [&] {
+    const double x = random.uniform(0, 10), y = random.uniform(0, 10), z = random.uniform(0, 10);
+    return Point3(x, y, z);
+  };
+  for (int i = 0; i < 60; ++i) all.views.things.push_back(random.uniform(0.1, 3.0));
+  for (int s = 0; s < 40; ++s) {
+    all.sites.push_back(place());
+    all.views.shows.emplace_back();
+    for (auto& things : all.views.shows.back()) {
+      std::set<int> distinct;
+      for (int n = static_cast<int>(random.uniform(0.0, 6.0)); n > 0; --n)
+        distinct.insert(static_cast<int>(random.uniform(0.0, 59.9)));
+      things.assign(distinct.begin(), distinct.end());
+    }
+  }
+  for (int r = 0; r < robots; ++r) {
+    const Point3 from = place();
+    TourStart start{{from, random.uniform(-3.0, 3.0)}, {}, stops};
+    for (const Point3& p : all.sites)
+      start.distance.push_back((p - from).norm() * random.uniform(1.0, 1.4));
+    all.team.push_back(std::move(start));
+  }
+  return all;
+}
+
+TEST(the_first_stop_of_a_team_is_the_one_that_pays_best) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Scattered all = scattered(seed, 3, 1);
+    all.team[1].goal = 7;
+    all.team[2].distance[3] = std::numeric_limits<double>::infinity();
+    double best = 0.0;
+    std::size_t who = 0;
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t s = 0; s < all.sites.size(); ++s)
+        for (std::size_t k = 0; k < kHeadings; ++k) {
+          const double turn =
+              std::abs(wrap_angle(heading_angle(static_cast<int>(k)) - all.team[r].from.yaw));
+          const double keep = r == 1 && s == 7 ? 1.5 : 1.0;
+          const double rate =
+              all.views.gain(s, k) / ((all.team[r].distance[s] + 0.7) / keep + 0.2 * turn);
+          if (rate > best) who = r;
+          best = std::max(best, rate);
+        }
+    const auto tours = all.tours({.stop_cost = 0.7, .turn_cost = 0.2, .keep = 1.5});
+    CHECK(tours.size() == 3 && tours[0].size() == 1 && tours[1].size() == 1 &&
+          tours[2].size() == 1);
+    CHECK_NEAR(tours[who].at(0).rate, best, 1e-12);
+    CHECK(tours[0][0].rate <= best && tours[1][0].rate <= best && tours[2][0].rate <= best);
+    CHECK(tours[2][0].site != 3);
+  }
+}
+
+TEST(tours_show_new_things_at_every_stop_however_loose_bounds_are) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Scattered exact = scattered(seed, 2, 6), loose = scattered(seed, 2, 6);
+    loose.views.loose = true;
+    const auto a = exact.tours({}), b = loose.tours({});
+    CHECK(a.size() == 2 && b.size() == 2 && a[0].size() == 6 && a[1].size() == 6);
+    std::set<int> seen;
+    const ListedViews before = scattered(seed, 2, 6).views;
+    for (std::size_t r = 0; r < 2; ++r) {
+      CHECK(b[r].size() == a[r].size());
+      for (std::size_t k = 0; k < a[r].size(); ++k) {
+        CHECK(a[r][k].site == b[r][k].site && a[r][k].heading == b[r][k].heading &&
+              a[r][k].rate == b[r][k].rate);
+        CHECK(a[r][k].rate > 0.0);
+        const auto& shown = before.shows[a[r][k].site][static_cast<std::size_t>(a[r][k].heading)];
+        seen.insert(shown.begin(), shown.end());
+      }
+    }
+    CHECK(loose.views.asked < exact.views.asked);
+    for (std::size_t i = 0; i < before.things.size(); ++i)
+      CHECK(exact.views.things[i] == (seen.contains(static_cast<int>(i)) ? 0.0 : before.things[i]));
+    // Told to go on, tours end when nothing is left to be seen from anywhere.
+    exact.team[0].stops = exact.team[1].stops = 1000;
+    const auto rest = exact.tours({});
+    CHECK(rest[0].size() + rest[1].size() < 60);
+    for (std::size_t s = 0; s < exact.sites.size(); ++s)
+      for (std::size_t k = 0; k < kHeadings; ++k) CHECK(exact.views.gain(s, k) == 0.0);
+    exact.team[0].stops = 0;
+    CHECK(exact.tours({})[0].empty());
+  }
+}
+
+TEST(a_tour_takes_the_small_on_the_way_to_the_broad) {
+  // The broad pays best and is far off; alone it would be flown to at once.
+  const auto row = [](int stops) {
+    Scattered all;
+    all.views.things = {60.0, 2.0, 2.0, 2.0};
+    all.team.push_back({{Point3::Zero(), 0.0}, {}, stops});
+    for (const double x : {20.0, 12.0, 8.0, 4.0}) {
+      all.sites.push_back(Point3(x, 0.1, 0));
+      all.team[0].distance.push_back(x);
+      all.views.shows.emplace_back();
+      all.views.shows.back()[0] = {static_cast<int>(all.sites.size()) - 1};
+    }
+    return all.tours({});
+  };
+  CHECK(row(1).at(0).at(0).site == 0);
+  const auto tour = row(4).at(0);
+  CHECK(tour.size() == 4 && tour[0].site == 3 && tour[1].site == 2 && tour[2].site == 1 &&
+        tour[3].site == 0);
+  Scattered nowhere;
+  nowhere.team.push_back({{Point3::Zero(), 0.0}, {}, 10});
+  CHECK(nowhere.tours({}).at(0).empty());
+  nowhere.team.clear();
+  CHECK(nowhere.tours({}).empty());
+}
+
+TEST(a_team_shares_what_one_could_do_alone) {
+  // A row of things before two robots, one of them a little nearer to all.
+  const auto stops_of_first = [](double balance) {
+    Scattered all;
+    all.team.push_back({{Point3(0.0, 0.0, 0.0), 0.0}, {}, 20});
+    all.team.push_back({{Point3(-0.5, 0.5, 0.0), 0.0}, {}, 20});
+    for (int i = 0; i < 20; ++i) {
+      all.views.things.push_back(1.0);
+      all.sites.push_back(Point3(2.0 + 0.1 * i, i % 2 == 0 ? 1.0 : -1.0, 0.0));
+      for (TourStart& start : all.team)
+        start.distance.push_back((all.sites.back() - start.from.position).norm());
+      all.views.shows.emplace_back();
+      all.views.shows.back()[0] = {i};
+    }
+    const auto tours = all.tours({.balance = balance});
+    CHECK(tours[0].size() + tours[1].size() == 20);
+    return tours[0].size();
+  };
+  CHECK(stops_of_first(0.0) == 20);
+  CHECK(stops_of_first(0.3) >= 8 && stops_of_first(0.3) <= 14);
+}
+
+/// Empty below 2.4 m, where a body fits; all the rest unknown but for what `block` says is there.
+template <typename Block>
+void paint_hall(TsdfMap& map, Block&& block) {
+  map_test::paint(map, {-24, -16, -8}, {23, 15, 39}, [&](const VoxelIndex& v) {
+    return block(v) ? VoxelState::occupied : v.z() < 8 ? VoxelState::empty : VoxelState::unknown;
+  });
+}
+const FreeSpaceOptions kBody{
+    .radius = 0.4, .bounds = Box3(Point3(-6.0, -4.0, -1.2), Point3(6.0, 4.0, 10.0)), .margin = 0.3};
+
+TEST(an_optimistic_lattice_leads_through_what_is_not_known_to_be_blocked) {
+  TsdfMap map({.voxel_size = 0.3});
+  paint_hall(map, [](const VoxelIndex&) { return false; });
+  VoxelStateMap states(map);
+  FreeSpace space(states, kBody);
+  FlightLattice<FreeSpace> known(space, space.options().bounds, 0.6);
+  OptimisticLattice hope({.level_cost = 1.5, .climb_cost = 4.0});
+  const Point3 start(0.1, 0.1, 0.5);
+  std::size_t seen = 0, below = 0, above = 0;
+  VoxelIndex top = VoxelIndex::Zero();
+  double highest = 0.0, cost = 0.0;
+  const auto search = [&] {
+    seen = below = above = 0;
+    highest = 0.0;
+    hope.follow(space, 0.6);
+    double last = 0.0;
+    hope.search(start, known, [&](const auto& site, bool is_known) {
+      CHECK(site.distance >= last - 1e-6);
+      last = site.distance;
+      CHECK(is_known == space.is_free(site.position));
+      ++seen;
+      ++(is_known ? below : above);
+      if (site.position.z() > highest) {
+        highest = site.position.z();
+        top = site.cell;
+        cost = site.distance;
+      }
+      return true;
+    });
+  };
+  search();
+  CHECK(seen == known.size() && below > 0 && above > 2 * below);
+  const std::vector<VoxelIndex> way = hope.way_to(top);
+  CHECK(way.back() == top && (known.position(way.front()) - start).norm() < 1.5);
+  double up = 0.0;
+  Point3 at = start;
+  for (const VoxelIndex& c : way) {
+    const Eigen::Vector3d step = known.position(c) - at;
+    CHECK(step.cwiseAbs().maxCoeff() < 0.6 + 1e-9);
+    const bool free = known.is_free(c);
+    up += std::hypot((free ? 1.0 : 1.5) * step.head<2>().norm(), (free ? 1.0 : 4.0) * step.z());
+    at += step;
+  }
+  CHECK_NEAR(up, cost, 1e-4);
+  // A ceiling is seen: nothing above it is hoped for any more.
+  for_each_index(VoxelIndex(-24, -16, 14), VoxelIndex(23, 15, 14),
+                 [&](const VoxelIndex& v) { map_test::set_state(map, v, VoxelState::occupied); });
+  states.update(map);
+  space.update();
+  known.forget(space.options().bounds);
+  OptimisticLattice copy(hope);
+  search();
+  CHECK(below > 0 && highest < 14 * 0.3);
+  const std::size_t left = seen;
+  hope = copy;
+  search();
+  CHECK(seen == left);
+}
+
+TEST(the_look_that_opens_a_way_shows_what_a_body_needs_of_it) {
+  TsdfMap map({.voxel_size = 0.3});
+  paint_hall(map, [](const VoxelIndex&) { return false; });
+  StillMission still(map, kBody, PinholeCamera::from_fov(1.2, 1.0, 160, 120, 0.1, 4.0),
+                     Box3(Point3(-6.0, -4.0, -2.0), Point3(6.0, 4.0, 10.0)));
+  FlightLattice<FreeSpace> lattice(still.free, still.free.options().bounds, 0.6);
+  const Point3 start(-3.0, 0.1, 0.5);
+  const std::vector<Teammate> robots{{{start, 0.0}, true, {}}};
+  const SurfaceSituation situation = still.situation(robots);
+  const auto reach = still.roadmap.reach_from(start);
+  const std::vector<Point3> way{Point3(0, 0, 1.2), Point3(0, 0, 1.8), Point3(0, 0, 2.4),
+                                Point3(0, 0, 3.0)};
+  OpeningLooks opens;
+  int looks = 0;
+  std::set<VoxelKey> shown;
+  while (const auto look = opens(situation, lattice, reach, robots[0].configuration, start, way)) {
+    CHECK(++looks < 200);
+    CHECK(look->targets.empty() && reach(look->configuration.position));
+    // Unknown cells beside the way are in the image.
+    const ViewFrustum frustum(still.camera, still.mount);
+    const auto view = frustum.at(look->configuration);
+    SpaceCells cells(still.states);
+    std::size_t count = 0;
+    for (std::size_t k = 1; k < way.size(); ++k)
+      cells.has_room(way[k], still.free.required_distance(), [&](const VoxelKey& c) {
+        const Point3 p = cells.center(VoxelIndex(c[0], c[1], c[2]));
+        if (!view.contains(p)) return;
+        ++count;
+        shown.insert(c);
+      });
+    CHECK(count > 0);
+    if (looks > 200) break;
+  }
+  // The map stands still, so in the end all is given up.
+  CHECK(looks >= 3 && !shown.empty());
+  const std::vector<Point3> open{Point3(0, 0, 0.5), Point3(1, 0, 0.5)};
+  CHECK(!OpeningLooks()(situation, lattice, reach, robots[0].configuration, start, open));
+}
+
+TEST(robots_open_the_way_to_what_they_cannot_see_yet) {
+  // A box high above, seen from elsewhere, of which a side is not; no look from below reaches it.
+  TsdfMap map({.voxel_size = 0.3});
+  paint_hall(map, [](const VoxelIndex& v) {
+    return (v - VoxelIndex(0, 0, 24)).cwiseAbs().maxCoeff() <= 1;
+  });
+  for_each_index(VoxelIndex(-3, -3, 22), VoxelIndex(3, 3, 22),
+                 [&](const VoxelIndex& v) { map_test::set_state(map, v, VoxelState::empty); });
+  StillMission still(map, kBody, PinholeCamera::from_fov(1.2, 1.0, 160, 120, 0.1, 3.0),
+                     Box3(Point3(-5.0, -4.0, 5.0), Point3(5.0, 4.0, 9.0)));
+  CHECK(!still.work.empty());
+  RollingToursOptions options;
+  options.interest.frontier_gain = 0.0;
+  for (const std::size_t robots : {1U, 2U}) {
+    std::vector<Teammate> team{{{Point3(0.1, 0.1, 0.5), 0.0}, true, {}},
+                               {{Point3(3.1, 0.1, 0.5), 0.0}, true, {}}};
+    team.resize(robots);
+    RollingTours planner(options);
+    const Plan result = planner(still.situation(team));
+    std::size_t sent = 0;
+    for (RobotId r = 0; r < robots; ++r)
+      for (const Stop& stop : result.routes.at(r)) {
+        CHECK(stop.targets.empty());
+        CHECK(still.roadmap.reachable(team[r].configuration.position, stop.configuration.position));
+        ++sent;
+      }
+    CHECK(sent >= 1 && result.impossible.empty());
+  }
+}
+}  // namespace
