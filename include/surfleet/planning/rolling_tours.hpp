@@ -66,10 +66,18 @@ class RollingTours {
     plan.replan = {
         .utility_share = options.utility_share, .turn_in_flight = true, .watch_on = true};
     for (const RobotId id : s.asked) plan.routes[id];
-    // From everywhere only where there is nothing to be seen from some places.
-    constexpr double kAnywhere = std::numeric_limits<double>::infinity();
-    const bool found = plan_within(kReach * range, kFine * range, s, targets, lattice, plan) ||
-                       plan_within(kAnywhere, kAnywhere, s, targets, lattice, plan);
+    // Who has no view that can be hoped for has those that can be flown to; from everywhere only
+    // where there is nothing to be seen from some places.
+    const Search near{kReach * range, kFine * range}, anywhere{};
+    const auto plan_both = [&](Search search) {
+      for (const bool hopeful : {true, false}) {
+        search.hopeful = hopeful;
+        plan_within(search, s, targets, lattice, plan);
+      }
+    };
+    plan_both(near);
+    if (plan.nothing()) plan_both(anywhere);
+    const bool found = !plan.nothing();
     const bool nowhere = !found && s.asked.size() == s.team.size();
     for (const IncompleteElement& e : s.goals) {
       if (!s.belief.ledger().fresh(e.voxel))
@@ -82,106 +90,128 @@ class RollingTours {
 
  private:
   using Lattice = FlightLattice<FreeSpace>;
-  /// Of a robot that is asked for: where it starts, and what can be reached from there.
-  struct Asked {
+  /// Stops may be so far off at the most, and up to `fine` at every node of the lattice, beyond it
+  /// at every other one along each axis [m].
+  struct Search {
+    double farthest = std::numeric_limits<double>::infinity();
+    double fine = std::numeric_limits<double>::infinity();
+    bool hopeful = true;  ///< Or else in known space alone.
+  };
+  /// A robot that a route is looked for: where it starts, and what can be reached from there.
+  struct Waiting {
     RobotId id;
     Point3 start;
     LazyPrmStar::Reach reach;
   };
+  /// Where stops could be, and how far that is for who waits.
+  struct Sites {
+    std::vector<Point3> positions;
+    std::unordered_map<std::size_t, std::size_t> by_node;
+    std::vector<std::vector<double>> distances;  // by who waits and site [m]
+  };
 
-  /// Stops may be so far off at the most, and up to `fine` at every node of the lattice, beyond it
-  /// at every other one along each axis. Whether anybody was given anything.
-  bool plan_within(double farthest, double fine, const SurfaceSituation& s,
-                   const SightTargets<>& targets, Lattice& lattice, Plan& plan) {
-    const double range = s.space().kind.camera.max_range;
+  /// Routes for those who are asked for and have none yet.
+  void plan_within(const Search& search, const SurfaceSituation& s, const SightTargets<>& targets,
+                   Lattice& lattice, Plan& plan) {
     LatticeViews views(targets, lattice, s.space().headings, vain_, options.unknown_gain);
-    std::vector<TourStart> starts;
-    std::vector<Asked> asked;
+    std::vector<Waiting> waiting;
+    std::vector<const Stops*> under_way;
     for (const RobotState& robot : s.team) {
-      if (!s.is_asked(robot.id)) {
-        for (const Stop& stop : robot.route) views.mark(stop.configuration);
-        continue;
+      const auto given = plan.routes.find(robot.id);
+      const Stops& route = given == plan.routes.end() ? robot.route : given->second;
+      if (given != plan.routes.end() && route.empty()) {
+        const Point3 start = s.space().free.free_start(robot.at.position);
+        waiting.push_back({robot.id, start, s.space().roadmap.reach_from(start)});
+      } else if (!route.empty()) {
+        for (const Stop& stop : route) views.mark(stop.configuration);
+        under_way.push_back(&route);
       }
-      const Point3 start = s.space().free.free_start(robot.at.position);
-      asked.push_back({robot.id, start, s.space().roadmap.reach_from(start)});
-      starts.push_back({robot.at, {}, options.stops});
     }
-    // Sites, and the ways there of those who are asked for.
-    std::vector<Point3> sites;
-    std::unordered_map<std::size_t, std::size_t> numbers;  // of sites, by node
-    optimistic_.options = options.ways;
-    optimistic_.follow(s.space().free, lattice.spacing());
-    std::vector<std::unordered_map<std::size_t, double>> found(asked.size());
-    for (std::size_t a = 0; a < asked.size(); ++a) {
-      optimistic_.search(asked[a].start, lattice, [&](const auto& site, bool known) {
-        if (site.distance > farthest) return false;
-        const bool coarse = ((site.cell.x() | site.cell.y() | site.cell.z()) & 1) == 0;
-        if ((coarse || site.distance <= fine) && views.any(site.cell) &&
-            (!known || asked[a].reach(site.position))) {
-          const auto [it, fresh] = numbers.try_emplace(lattice.index(site.cell), sites.size());
-          if (fresh) {
-            sites.push_back(site.position);
-            views.add({site.cell, known});
-          }
-          found[a][it->second] = site.distance;
-        }
-        return true;
-      });
-    }
-    for (std::size_t a = 0; a < asked.size(); ++a) {
-      starts[a].distance.assign(sites.size(), std::numeric_limits<double>::infinity());
-      for (const auto& [site, distance] : found[a]) starts[a].distance[site] = distance;
-      if (const auto goal = goals_.find(asked[a].id); goal != goals_.end())
-        if (const auto it = numbers.find(goal->second); it != numbers.end())
-          starts[a].goal = it->second;
+    if (waiting.empty()) return;
+    const Sites sites = find_sites(search, s, lattice, waiting, views);
+    std::vector<TourStart> starts;
+    for (std::size_t w = 0; w < waiting.size(); ++w) {
+      starts.push_back({s.robot(waiting[w].id).at, sites.distances[w], options.stops});
+      if (const auto goal = goals_.find(waiting[w].id); goal != goals_.end())
+        if (const auto it = sites.by_node.find(goal->second); it != sites.by_node.end())
+          starts.back().goal = it->second;
     }
     // Who is under way goes on from its last stop.
-    for (const RobotState& robot : s.team) {
-      if (s.is_asked(robot.id) || robot.route.empty()) continue;
-      TourStart start{robot.route.back().configuration,
-                      {},
-                      options.stops - static_cast<int>(robot.route.size()),
-                      {},
-                      false};
-      for (const Point3& p : sites) start.distance.push_back((p - start.from.position).norm());
-      starts.push_back(std::move(start));
+    for (const Stops* route : under_way) {
+      starts.push_back({route->back().configuration,
+                        {},
+                        options.stops - static_cast<int>(route->size()),
+                        {},
+                        false});
+      for (const Point3& p : sites.positions)
+        starts.back().distance.push_back((p - starts.back().from.position).norm());
     }
     std::vector<char> done(views.done().begin(), views.done().end());
-    const auto tours = TeamTours(starts, sites, views,
+    const double range = s.space().kind.camera.max_range;
+    const auto tours = TeamTours(starts, sites.positions, views,
                                  {.stop_cost = options.stop_share * range,
                                   .turn_cost = options.turn_cost,
                                   .keep = options.keep,
                                   .balance = options.balance})();
-    bool any = false;
-    for (std::size_t a = 0; a < asked.size(); ++a) {
-      goals_.erase(asked[a].id);
-      if (tours[a].empty()) continue;
-      Stops& route = plan.routes[asked[a].id];
-      if (views[tours[a].front().site].known) {
-        route = begin(s, targets, views, asked[a], tours[a], sites, done);
-        goals_[asked[a].id] = views.node(tours[a].front().site);
-      } else {
-        optimistic_.search(asked[a].start, lattice, [&](const auto& site, bool) {
-          return site.cell != views[tours[a].front().site].cell;
-        });
-        std::vector<Point3> way{asked[a].start};
-        for (const VoxelIndex& c : optimistic_.way_to(views[tours[a].front().site].cell)) {
-          if (way.size() == 1 && lattice.is_free(c)) way.clear();
-          way.push_back(lattice.position(c));
-        }
-        if (auto look =
-                opening_(s, lattice, asked[a].reach, s.robot(asked[a].id).at, asked[a].start, way))
-          route = {*look};
+    for (std::size_t w = 0; w < waiting.size(); ++w) {
+      goals_.erase(waiting[w].id);
+      if (tours[w].empty()) continue;
+      const std::size_t first = tours[w].front().site;
+      if (views[first].known) {
+        plan.routes[waiting[w].id] =
+            begin(s, targets, views, waiting[w], tours[w], sites.positions, done);
+        goals_[waiting[w].id] = views.node(first);
+      } else if (auto look = open_way(s, lattice, waiting[w], views[first].cell)) {
+        plan.routes[waiting[w].id] = {*look};
       }
-      any = any || !route.empty();
     }
-    return any;
+  }
+
+  Sites find_sites(const Search& search, const SurfaceSituation& s, Lattice& lattice,
+                   std::span<const Waiting> waiting, LatticeViews& views) {
+    Sites sites;
+    optimistic_.options = options.ways;
+    optimistic_.follow(s.space().free, lattice.spacing());
+    std::vector<std::vector<std::pair<std::size_t, double>>> found(waiting.size());
+    for (std::size_t w = 0; w < waiting.size(); ++w)
+      optimistic_.search(waiting[w].start, lattice, [&](const auto& site, bool known) {
+        if (site.distance > search.farthest) return false;
+        const bool coarse = ((site.cell.x() | site.cell.y() | site.cell.z()) & 1) == 0;
+        if (!(known || search.hopeful) || !(coarse || site.distance <= search.fine) ||
+            !views.any(site.cell) || (known && !waiting[w].reach(site.position)))
+          return true;
+        const auto [it, fresh] =
+            sites.by_node.try_emplace(lattice.index(site.cell), sites.positions.size());
+        if (fresh) {
+          sites.positions.push_back(site.position);
+          views.add({site.cell, known});
+        }
+        found[w].emplace_back(it->second, site.distance);
+        return true;
+      });
+    for (const auto& reached : found) {
+      sites.distances.emplace_back(sites.positions.size(), std::numeric_limits<double>::infinity());
+      for (const auto& [site, distance] : reached) sites.distances.back()[site] = distance;
+    }
+    return sites;
+  }
+  /// The view that opens most of the way to a node in unknown space.
+  std::optional<Stop> open_way(const SurfaceSituation& s, Lattice& lattice, const Waiting& robot,
+                               const VoxelIndex& goal) {
+    optimistic_.search(robot.start, lattice,
+                       [&](const auto& site, bool) { return site.cell != goal; });
+    std::vector<Point3> way{robot.start};
+    for (const VoxelIndex& c : optimistic_.way_to(goal)) {
+      if (way.size() == 1 && lattice.is_free(c)) way.clear();
+      way.push_back(lattice.position(c));
+    }
+    return opening_(s, lattice, robot.reach, s.robot(robot.id).at, robot.start, way);
   }
 
   /// The first stops of a tour, as far as they are in known space, moved for a shorter way.
   Stops begin(const SurfaceSituation& s, const SightTargets<>& targets, const LatticeViews& views,
-              const Asked& robot, std::span<const TeamTourStop> tour, std::span<const Point3> sites,
-              std::vector<char>& done) {
+              const Waiting& robot, std::span<const TeamTourStop> tour,
+              std::span<const Point3> sites, std::vector<char>& done) {
     const double range = s.space().kind.camera.max_range;
     std::vector<Point3> places;
     for (const TeamTourStop& stop : tour) places.push_back(sites[stop.site]);

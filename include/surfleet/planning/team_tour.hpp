@@ -151,7 +151,9 @@ class TeamTours {
       if (!t.full()) shortest = std::min(shortest, t.length);
     std::vector<double> cost(tours_.size()), least(tours_.size());
     GainByHeading gain;
+    const double floor = 0.5 * options_.stop_cost / std::max(options_.keep, 1.0);
     for (std::size_t s = 0; s < sites_.size(); ++s) {
+      if (most[s] <= best_rate * floor) continue;  // most are
       double cheapest = std::numeric_limits<double>::infinity();
       for (std::size_t t = 0; t < tours_.size(); ++t) {
         const Tour& tour = tours_[t];
