@@ -11,6 +11,7 @@
 #include <surfleet/geometry/cloud_filters.hpp>
 #include <surfleet/geometry/cloud_normals.hpp>
 #include <surfleet/geometry/curvature.hpp>
+#include <surfleet/geometry/delaunay.hpp>
 #include <surfleet/geometry/geodesic.hpp>
 #include <surfleet/geometry/graph.hpp>
 #include <surfleet/geometry/graph_components.hpp>

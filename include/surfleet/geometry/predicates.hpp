@@ -32,6 +32,13 @@ class ExactSum {
     add(std::fma(a, b, -p));
     add(p);
   }
+  /// Adds the product of all; rounds nothing while nothing over- or underflows.
+  template <typename... More>
+  void add_product(double a, double b, double c, More... more) {
+    const double p = a * b, rest = std::fma(a, b, -p);
+    if (rest != 0.0) add_product(rest, c, more...);
+    add_product(p, c, more...);
+  }
   /// A number with the sign of the sum, close to its value.
   double estimate() const { return size_ == 0 ? 0.0 : term_[size_ - 1]; }
 
@@ -56,6 +63,55 @@ inline double orient2d(const Point2& a, const Point2& b, const Point2& c) {
   exact.add_product(-b.y(), c.x());
   exact.add_product(c.x(), a.y());
   exact.add_product(-c.y(), a.x());
+  return exact.estimate();
+}
+
+/// Positive if `d` lies inside the circle through a, b and c that turn left, negative outside, 0 on
+/// it; the other way round if they turn right. The sign is exact while no product over- or
+/// underflows; a floating-point filter answers all but nearly concyclic points.
+inline double in_circle(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
+  const Point2 p = a - d, q = b - d, r = c - d;
+  const auto cross = [](const Point2& u, const Point2& v, double& size) {
+    const double left = u.x() * v.y(), right = u.y() * v.x();
+    size = std::abs(left) + std::abs(right);
+    return left - right;
+  };
+  double sp = 0.0, sq = 0.0, sr = 0.0;
+  const double p2 = p.squaredNorm(), q2 = q.squaredNorm(), r2 = r.squaredNorm();
+  const double det = p2 * cross(q, r, sp) + q2 * cross(r, p, sq) + r2 * cross(p, q, sr);
+  if (std::abs(det) > 1.2e-15 * (p2 * sp + q2 * sq + r2 * sr)) return det;
+  if (p2 == 0.0 || q2 == 0.0 || r2 == 0.0) return 0.0;
+  // Where no difference was rounded, they stand for the points.
+  const auto rounded = [](double x, double y) {
+    const double difference = x - y, part = x - difference;
+    return (x - (difference + part)) + (part - y) != 0.0;
+  };
+  bool same = true;
+  for (const Point2* e : {&a, &b, &c})
+    same = same && !rounded(e->x(), d.x()) && !rounded(e->y(), d.y());
+  detail::ExactSum<400> exact;
+  const auto add = [&](const Point2& lifted, double sign, const Point2& u, const Point2& v) {
+    for (const double l : {lifted.x(), lifted.y()}) {
+      exact.add_product(sign * l, l, u.x(), v.y());
+      exact.add_product(-sign * l, l, u.y(), v.x());
+    }
+  };
+  if (same) {
+    add(p, 1.0, q, r);
+    add(q, 1.0, r, p);
+    add(r, 1.0, p, q);
+    return exact.estimate();
+  }
+  const auto minor = [&](const Point2& lifted, double sign, const Point2& u, const Point2& v,
+                         const Point2& w) {
+    add(lifted, sign, u, v);
+    add(lifted, sign, v, w);
+    add(lifted, sign, w, u);
+  };
+  minor(a, 1.0, b, c, d);
+  minor(b, -1.0, a, c, d);
+  minor(c, 1.0, a, b, d);
+  minor(d, -1.0, a, b, c);
   return exact.estimate();
 }
 
