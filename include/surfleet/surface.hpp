@@ -12,6 +12,9 @@
 #include <surfleet/surface/feature_maps.hpp>
 #include <surfleet/surface/follow_field.hpp>
 #include <surfleet/surface/geodesic_strip.hpp>
+#include <surfleet/surface/moving_least_squares.hpp>
+#include <surfleet/surface/scan.hpp>
+#include <surfleet/surface/scan_triangulation.hpp>
 #include <surfleet/surface/sheet_tokens.hpp>
 #include <surfleet/surface/smooth_path.hpp>
 #include <surfleet/surface/strip_field.hpp>
