@@ -12,6 +12,7 @@
 #include <surfleet/surface/feature_maps.hpp>
 #include <surfleet/surface/follow_field.hpp>
 #include <surfleet/surface/geodesic_strip.hpp>
+#include <surfleet/surface/greedy_projection.hpp>
 #include <surfleet/surface/moving_least_squares.hpp>
 #include <surfleet/surface/scan.hpp>
 #include <surfleet/surface/scan_triangulation.hpp>

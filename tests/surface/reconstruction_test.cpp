@@ -4,6 +4,7 @@
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
 #include <surfleet/simulation/rotating_lidar.hpp>
+#include <surfleet/surface/greedy_projection.hpp>
 #include <surfleet/surface/scan_triangulation.hpp>
 
 #include "check.hpp"
@@ -141,15 +142,18 @@ TEST(reconstructions_agree_on_the_laws) {
   reconstruction_laws(ScanTriangulation{});
   reconstruction_laws(MovingLeastSquares<>{});
   reconstruction_laws(MovingLeastSquares<GaussianKernel>{});
+  GreedyProjection greedy;
+  greedy.options.cloud.spacing = 0.02;
+  reconstruction_laws(greedy);
 }
 
 TEST(moving_least_squares_averages_noise_and_keeps_openings) {
   const double radius = 0.35, noise = 0.018;
-  Scan scan{tube_points(radius, 1.5, 24000, noise, 4), std::nullopt};
+  Scan scan{tube_points(radius, 0.9, 14400, noise, 4), std::nullopt};
   std::vector<Scan> scans;  // seen from three places on the axis
-  for (int k = 0; k < 3; ++k) scans.push_back({{}, Point3(0.25 + 0.5 * k, 0, 0)});
+  for (int k = 0; k < 3; ++k) scans.push_back({{}, Point3(0.15 + 0.3 * k, 0, 0)});
   for (const Point3& p : scan.points)
-    scans[static_cast<std::size_t>(std::min(2.0, 2.0 * p.x()))].points.push_back(p);
+    scans[static_cast<std::size_t>(std::min(2.0, p.x() / 0.3))].points.push_back(p);
   MovingLeastSquares<> reconstruct;
   const TriangleMesh mesh = reconstruct(scans);
   CHECK(euler_characteristic(mesh) == 0);
@@ -161,12 +165,12 @@ TEST(moving_least_squares_averages_noise_and_keeps_openings) {
   CHECK(error / static_cast<double>(mesh.vertices.size()) < 0.008);
   bool inward = true;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (std::abs(mesh.centroid(t).x() - 0.75) < 0.7)  // at a border they may curl
+    if (std::abs(mesh.centroid(t).x() - 0.45) < 0.4)  // at a border they may curl
       inward = inward && mesh.area_vector(t).tail<2>().dot(mesh.centroid(t).tail<2>()) < 0.0;
   CHECK(inward);
   // Nothing reaches far beyond the ends.
   CHECK(mesh.bounds().min().x() > -0.06);
-  CHECK(mesh.bounds().max().x() < 1.56);
+  CHECK(mesh.bounds().max().x() < 0.96);
   reconstruct.options.threads = reconstruct.options.cloud.threads = 3;
   const TriangleMesh again = reconstruct(scans);
   CHECK(again.vertices == mesh.vertices);
@@ -205,4 +209,56 @@ TEST(small_parts_go_by_their_share) {
   CHECK(without_small_parts(mesh, 0.5).triangles.size() == big);
   CHECK(without_small_parts(mesh, 12.0 / static_cast<double>(big)).triangles.size() == big + 12);
   CHECK(without_small_parts(TriangleMesh{}, 0.5).empty());
+}
+
+TEST(greedy_projection_closes_what_is_closed) {
+  PointCloud cloud;
+  for (int i = 0; i < 1500; ++i) {  // a spiral over the sphere
+    const double z = 1.0 - (2.0 * i + 1.0) / 1500.0, r = std::sqrt(1.0 - z * z), a = 2.39996323 * i;
+    cloud.points.emplace_back(r * std::cos(a), r * std::sin(a), z);
+    cloud.normals.push_back(cloud.points.back().cast<float>());
+  }
+  const TriangleMesh sphere = GreedyProjection{}(cloud);
+  CHECK(sphere.vertices.size() == 1500);
+  CHECK(euler_characteristic(sphere) == 2);
+  CHECK(is_closed_and_oriented(sphere));
+  bool outward = true;
+  for (std::size_t t = 0; t < sphere.triangles.size(); ++t)
+    outward = outward && sphere.area_vector(t).dot(sphere.centroid(t)) > 0.0;
+  CHECK(outward);
+  cloud.normals.pop_back();
+  CHECK_THROWS(Error, GreedyProjection{}(cloud));
+
+  // A tube with a little noise: both ends stay open, nothing else does.
+  const std::vector<Point3> points = tube_points(0.35, 1.5, 20000, 0.001, 8);
+  GreedyProjection reconstruct;
+  reconstruct.options.cloud.spacing = 0.04;
+  const TriangleMesh tube = reconstruct(std::vector<Scan>{{points, std::nullopt}});
+  CHECK(euler_characteristic(tube) == 0);
+  CHECK(border_parts(tube) == 2);
+  CHECK(MeshAdjacency(tube).non_manifold_edges().empty());
+  CHECK(runs_one_way(tube));
+  CHECK_NEAR(tube.area(), 2.0 * kPi * 0.35 * 1.5, 0.2);
+  for (std::size_t t = 0; t < tube.triangles.size(); ++t)
+    CHECK(tube.area_vector(t).tail<2>().normalized().dot(tube.centroid(t).tail<2>().normalized()) *
+              tube.area_vector(0).tail<2>().dot(tube.centroid(0).tail<2>()) >
+          0.0);
+}
+
+TEST(greedy_projection_keeps_sheets_apart) {
+  // Two plates closer than their spacing that look away from one another.
+  PointCloud cloud;
+  Random random(6);
+  for (int i = 0; i < 25; ++i)
+    for (int j = 0; j < 25; ++j)
+      for (const double side : {-1.0, 1.0}) {
+        cloud.points.emplace_back(0.04 * i + 0.01 * random.uniform(), 0.04 * j, 0.01 * side);
+        cloud.normals.emplace_back(0.0F, 0.0F, static_cast<float>(side));
+      }
+  const TriangleMesh mesh = GreedyProjection{}(cloud);
+  CHECK(connected_components(mesh).count == 2);
+  CHECK(mesh.triangles.size() > 2U * 2U * 23U * 23U);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    CHECK(mesh.corner(t, 0).z() == mesh.corner(t, 1).z() &&
+          mesh.corner(t, 1).z() == mesh.corner(t, 2).z());
 }

@@ -20,6 +20,8 @@ struct FieldDrive;
 struct FrontDriveBicycle;
 struct GaussianKernel;
 class GeodesicStrips;
+struct GreedyProjection;
+struct GreedyProjectionOptions;
 struct MovingLeastSquaresOptions;
 struct OrientedCloudOptions;
 class PerpendicularField;
