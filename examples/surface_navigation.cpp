@@ -4,6 +4,7 @@
 //   surface_navigation                                        over the bumpy slope
 //   surface_navigation --scene steam_chest --goal 4.9 0.2 0 2.6 0.95 0.1 --robot magnebike
 //   surface_navigation --scene tank.ply --start 0 0 1 --goal 2 0 1 --field perpendicular
+//   surface_navigation --scene steam_chest --reconstruct mls --cloud-noise 0.018 --faces 3000
 //   surface_navigation --method dense --scene l_shape         over samples of it, by tensor voting
 //   surface_navigation --method dense --scene scan.ply --start 0 0 1 --goal 2 0 1
 #include <cmath>
@@ -30,6 +31,7 @@
 #include "support/cli.hpp"
 #include "support/cloud_navigation.hpp"
 #include "support/peak_memory.hpp"
+#include "support/scanned_surface.hpp"
 #include "support/stopwatch.hpp"
 #include "support/surface_scene.hpp"
 
@@ -46,6 +48,7 @@ struct Settings {
   bool cover = false, quiet = false;
   std::string method = "strip";
   examples::CloudNavigation cloud;
+  examples::ScannedSurface scanned;
 };
 
 Settings settings(int argc, char** argv) {
@@ -63,11 +66,25 @@ Settings settings(int argc, char** argv) {
   examples::CloudNavigation& c = s.cloud;
   app.add("--density", c.density, "of the samples of a scene [1/m^2] (dense)").positive();
   app.add("--scan-from", c.scan_from,
-          "X Y Z [m] of each rotating lidar that takes the scene in place of even samples (dense)");
-  app.add("--cloud-noise", c.cloud_noise, "on samples, or along beams [m] (dense)").zero_or_more();
-  app.add("--spacing", c.spacing, "least between points kept [m]; 0: all (dense)").zero_or_more();
+          "X Y Z [m] of each rotating lidar that takes the scene in place of even samples (dense), "
+          "or for --reconstruct; the steam chest has places of its own");
+  app.add("--cloud-noise", c.cloud_noise, "on samples, or along beams [m] (dense, --reconstruct)")
+      .zero_or_more();
+  app.add("--spacing", c.spacing,
+          "least between points kept [m]; 0: all (dense); 0.02, and for ftm 3 times the noise "
+          "(--reconstruct)")
+      .zero_or_more();
   app.add("--outliers", c.outliers,
-          "points so many deviations lonelier than the mean go; 0: none (dense)")
+          "points so many deviations lonelier than the mean go; 0: none (dense, --reconstruct)")
+      .zero_or_more();
+  examples::ScannedSurface& r = s.scanned;
+  app.add("--reconstruct", r.reconstruct,
+          "the mesh to drive on comes from scans of the scene, or from a cloud (.ply without "
+          "triangles, .xyz): itm joins one scan's points as the sensor sees them, mls averages "
+          "many, ftm grows over them; none: the scene's own mesh (strip)")
+      .one_of({"none", "itm", "mls", "ftm"});
+  app.add("--support", r.support, "of the averaging [m]; 0: 4 voxels (mls)").zero_or_more();
+  app.add("--faces", r.faces, "simplify the mesh to so many triangles; 0: as it is (strip)")
       .zero_or_more();
   app.add("--voting", c.voting,
           "sheets: moved points, edges where planes meet; balls: as printed (dense)")
@@ -76,14 +93,15 @@ Settings settings(int argc, char** argv) {
           "of voting [m]; 0: the larger of 0.06 and 3 times the points' spacing (dense)")
       .zero_or_more();
   app.add("--mask", c.mask, "tokens keep so many scales apart (dense)").zero_or_more();
-  app.add("--voxel", c.voxel, "side of a cell [m]; 0: 0.58 scales (dense)").zero_or_more();
+  app.add("--voxel", c.voxel, "side of a cell [m]; 0: 0.58 scales (dense), 1.5 spacings (mls)")
+      .zero_or_more();
   app.add("--edge-threshold", c.edge_threshold, "least plate share of an edge, 0 to 1 (dense)")
       .zero_or_more();
   app.add("--inflate", c.inflate, "edges by this [m] (dense)").zero_or_more();
   app.add("--cost", c.cost,
           "K1 K2 K3 K4 of distance, low saliency [1/m], turns [m/rad^2], bends taken askew "
           "[1/rad^2] (dense); else 1 2 0.02 0.1");
-  app.add("--threads", c.threads, "for voting (dense)").positive();
+  app.add("--threads", c.threads, "for voting (dense) and --reconstruct").positive();
   app.add("--edge", s.edge, "edge length of a bundled scene [m]; 0: its own default");
   app.add("--start", s.start, "X Y Z [m], on the nearest triangle; else one end of the scene");
   app.add("--goal", s.goal, "X Y Z [m] of each goal, in order; else the other end");
@@ -117,6 +135,8 @@ Settings settings(int argc, char** argv) {
   require(s.goal.size() % 3 == 0, "--goal: expected three numbers for each goal");
   require(s.method == "strip" || (!s.cover && s.blocked.empty() && s.robot == "point"),
           "--cover, --blocked, --robot: expected --method strip with them");
+  require(s.method == "strip" || (r.reconstruct == "none" && r.faces == 0),
+          "--reconstruct, --faces: expected --method strip with them");
   require(!s.cover || s.goal.empty(), "--cover: expected no --goal with it");
   require(!s.cover || s.robot != "magnebike", "--cover: expected --robot point or epuck");
   require(s.noise[0] >= 0.0 && s.noise[1] >= 0.0, "--noise: expected 0 or more");
@@ -292,7 +312,19 @@ int run(int argc, char** argv) {
     return examples::navigate_cloud(c);
   }
   SurfaceDefects defects;
-  const TriangleMesh mesh = clean_surface(examples::surface_scene(s.scene, s.edge), &defects);
+  examples::ScannedSurface& scanned = s.scanned;
+  scanned.scene = s.scene;
+  scanned.edge = s.edge;
+  scanned.noise = s.cloud.cloud_noise;
+  scanned.spacing = s.cloud.spacing;
+  scanned.outliers = s.cloud.outliers;
+  scanned.voxel = s.cloud.voxel;
+  scanned.scan_from = s.cloud.scan_from;
+  scanned.threads = s.cloud.threads;
+  scanned.seed = s.seed;
+  nlohmann::json scan_metrics = nlohmann::json::object();
+  const TriangleMesh mesh =
+      clean_surface(examples::scanned_surface_mesh(scanned, scan_metrics), &defects);
   require(s.blocked.empty() || defects.removed_triangles == 0,
           "--blocked: the mesh has triangles without area or said twice, so numbers would not "
           "match; expected a clean mesh");
@@ -404,31 +436,32 @@ int run(int argc, char** argv) {
   for (const std::int32_t t : planned_strip) on_strip[static_cast<std::size_t>(t)] = 1;
   const auto covered = static_cast<double>(std::count(entered.begin(), entered.end(), 1)) /
                        static_cast<double>(entered.size());
-  const nlohmann::json metrics{
-      {"scene", s.scene},
-      {"method", "strip"},
-      {"search", s.search},
-      {"field", s.robot == "magnebike" ? none : nlohmann::json(s.field)},
-      {"robot", s.robot},
-      {"seed", s.seed},
-      {"vertices", mesh.vertices.size()},
-      {"triangles", mesh.triangles.size()},
-      {"nonmanifold_edges", defects.nonmanifold_edges},
-      {"path_length_m", planned},
-      {"driven_length_m", driven},
-      {"driven_ratio", planned > 0.0 ? nlohmann::json(driven / planned) : none},
-      {"tracking_rms_m", tracked ? nlohmann::json(rms) : none},
-      {"tracking_worst_m", tracked ? nlohmann::json(worst) : none},
-      {"left_strip", left},
-      {"field_breaks", breaks},
-      {"field_shared_vertices", shared},
-      {"covered_triangles", s.cover ? nlohmann::json(covered) : none},
-      {"reached_goal", all},
-      {"unreached_goals", unreached},
-      {"preparation_time_s", prepared},
-      {"planning_time_s", journey.planning},
-      {"wall_time_s", examples::seconds_since(begin)},
-      {"peak_memory_bytes", examples::peak_memory()}};
+  nlohmann::json metrics{{"scene", s.scene},
+                         {"method", "strip"},
+                         {"reconstruct", scanned.reconstruct},
+                         {"search", s.search},
+                         {"field", s.robot == "magnebike" ? none : nlohmann::json(s.field)},
+                         {"robot", s.robot},
+                         {"seed", s.seed},
+                         {"vertices", mesh.vertices.size()},
+                         {"triangles", mesh.triangles.size()},
+                         {"nonmanifold_edges", defects.nonmanifold_edges},
+                         {"path_length_m", planned},
+                         {"driven_length_m", driven},
+                         {"driven_ratio", planned > 0.0 ? nlohmann::json(driven / planned) : none},
+                         {"tracking_rms_m", tracked ? nlohmann::json(rms) : none},
+                         {"tracking_worst_m", tracked ? nlohmann::json(worst) : none},
+                         {"left_strip", left},
+                         {"field_breaks", breaks},
+                         {"field_shared_vertices", shared},
+                         {"covered_triangles", s.cover ? nlohmann::json(covered) : none},
+                         {"reached_goal", all},
+                         {"unreached_goals", unreached},
+                         {"preparation_time_s", prepared},
+                         {"planning_time_s", journey.planning},
+                         {"wall_time_s", examples::seconds_since(begin)},
+                         {"peak_memory_bytes", examples::peak_memory()}};
+  metrics.update(scan_metrics);
   write_file(out / "metrics.json", metrics.dump(2) + "\n");
   write_ply(mesh, out / "surface.ply");
   const TriangleMesh strip_mesh = selected(mesh, [&](std::size_t t) { return on_strip[t] != 0; });

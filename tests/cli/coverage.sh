@@ -19,6 +19,14 @@ awk -v s="$(value surface swept_fraction)" -v c="$(value surface final_cost)" \
 [ -s drive/path.tum ] && [ -s drive/driven.tum ] && [ -s drive/strip.ply ] && [ -s drive/report.html ]
 [ "$(value drive reached_goal)" = true ] && [ "$(value drive left_strip)" = 0 ]
 awk -v r="$(value drive driven_ratio)" 'BEGIN { exit !(r > 0.98 && r < 1.1) }'
+# A mesh made of scans is driven on like any other, and says how near it is to what was scanned.
+"$bin/surface_navigation" --quiet --scene tube --scan-from -0.4 0 0 0.4 0 0 --cloud-noise 0.005 \
+  --reconstruct mls --spacing 0.03 --faces 1500 --out scanned >scanned.txt
+[ "$(value scanned reached_goal)" = true ] && [ "$(value scanned nonmanifold_edges)" = 0 ]
+awk -v e="$(value scanned reconstruction_error_mean_m)" 'BEGIN { exit !(e > 0 && e < 0.01) }'
+refused surface_navigation --scene tube --reconstruct mls --out out
+refused surface_navigation --scene tube --reconstruct itm --scan-from -0.4 0 0 0.4 0 0 --out out
+refused surface_navigation --scene tube --method dense --faces 100 --out out
 # A wall of blocked triangles about the start is said to be one.
 printf 'ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n' >two.ply
 echo 1 >walls.txt

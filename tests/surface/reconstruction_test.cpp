@@ -262,3 +262,25 @@ TEST(greedy_projection_keeps_sheets_apart) {
     CHECK(mesh.corner(t, 0).z() == mesh.corner(t, 1).z() &&
           mesh.corner(t, 1).z() == mesh.corner(t, 2).z());
 }
+
+TEST(greedy_projection_folds_nothing_over) {
+  // Points of any density on a plate: triangles beside one another, so no more area than the plate.
+  for (std::uint64_t seed = 1; seed < 6; ++seed) {
+    Random random(seed);
+    PointCloud cloud;
+    for (int i = 0; i < 400; ++i) {
+      const double x = random.uniform();
+      cloud.points.emplace_back(x * x * x, random.uniform(), 0.0);
+      cloud.normals.emplace_back(0.0F, 0.0F, 1.0F);
+    }
+    GreedyProjection reconstruct;
+    reconstruct.options.longest_edge = 0.3;
+    const TriangleMesh mesh = reconstruct(cloud);
+    CHECK(mesh.area() < 1.0);
+    CHECK(mesh.area() > 0.8);
+    bool up = true;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      up = up && mesh.area_vector(t).z() > 0.0;
+    CHECK(up);
+  }
+}
