@@ -26,6 +26,7 @@
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/surface/drive_path.hpp>
 #include <surfleet/surface/geodesic_strip.hpp>
+#include <surfleet/surface/strip_replanning.hpp>
 #include <surfleet/surface/strip_search.hpp>
 
 #include "support/cli.hpp"
@@ -43,7 +44,7 @@ struct Settings {
               field = "continuous", robot = "point", blocked;
   double edge = 0.0, curvature = 0.0, turn = 0.0, slope = 0.0, speed = 0.05, ahead = 0.02;
   std::vector<double> start, goal, noise{0.0, 0.0};
-  double off_surface = 0.1;
+  double off_surface = 0.1, sense = 0.0;
   std::uint64_t seed = 1;
   bool cover = false, quiet = false;
   std::string method = "strip";
@@ -115,6 +116,10 @@ Settings settings(int argc, char** argv) {
   app.add("--turn", s.turn, "weight of turns [m] (dual, midpoints)").zero_or_more();
   app.add("--slope", s.slope, "weight of steepness (dual, midpoints)").zero_or_more();
   app.add("--blocked", s.blocked, "file of triangle numbers that may not be entered");
+  app.add("--sense", s.sense,
+          "blocked triangles are seen from so far, and the strip is planned again on the way; 0: "
+          "all are known from the start [m]")
+      .zero_or_more();
   app.add("--field", s.field, "continuous (eq. 7.1) or perpendicular to every edge crossed")
       .one_of({"continuous", "perpendicular"});
   app.add("--robot", s.robot,
@@ -168,7 +173,7 @@ struct Leg {
   std::optional<SurfacePath> path;
   std::string reason;                  ///< Why it was not reached; empty if it was.
   double planned = 0.0, driven = 0.0;  ///< [m]
-  std::size_t breaks = 0, shared = 0, left = 0;
+  std::size_t breaks = 0, shared = 0, left = 0, replans = 0;
 };
 
 struct Journey {
@@ -194,6 +199,7 @@ class Navigation {
                                                   : "the robot stands in a blocked triangle";
       return leg;
     }
+    if (s_.sense > 0.0 && !s_.blocked.empty()) return plan_on_the_way(start, goal);
     const bool free = search_.costs().user.empty();
     std::optional<std::vector<std::int32_t>> strip;
     if (s_.search == "geodesic") strip = geodesic_.triangles(start, goal);
@@ -215,6 +221,49 @@ class Navigation {
                         : geodesic_.taut().shortened(*strip, start, goal, [&](std::int32_t t) {
                             return !search_.blocked(t);
                           });
+    leg.planned = leg.path->length();
+    return leg;
+  }
+
+  /// From triangle to triangle, knowing of the blocked ones only what was within sight.
+  Leg plan_on_the_way(const SurfacePoint& start, const SurfacePoint& goal) const {
+    Leg leg;
+    const TriangleMesh& mesh = walk_.mesh();
+    StripReplanner plan(mesh, goal, {s_.curvature, s_.turn, s_.slope, {}}, nodes());
+    std::vector<std::int32_t> unseen, driven{start.triangle};
+    for (std::int32_t t = 0; t < static_cast<std::int32_t>(mesh.triangles.size()); ++t)
+      if (search_.blocked(t)) unseen.push_back(t);
+    const auto look = [&](const Point3& from) {
+      const std::size_t before = unseen.size();
+      std::erase_if(unseen, [&](std::int32_t t) {
+        if ((mesh.centroid(static_cast<std::size_t>(t)) - from).norm() > s_.sense) return false;
+        plan.set_user_cost(t, std::numeric_limits<double>::infinity());
+        return true;
+      });
+      return unseen.size() < before;
+    };
+    SurfacePoint at = start;
+    look(at.position(mesh));
+    auto strip = plan(at);
+    for (std::size_t k = 1; strip && at.triangle != goal.triangle; ++k) {
+      const std::int32_t next = strip->triangles[k];
+      if (search_.blocked(next)) {  // bumped into before it was in sight
+        plan.set_user_cost(next, std::numeric_limits<double>::infinity());
+        std::erase(unseen, next);
+      } else {
+        at = SurfacePoint{next};
+        driven.push_back(next);
+        if (!look(at.position(mesh))) continue;
+      }
+      strip = plan(at);
+      ++leg.replans;
+      k = 0;
+    }
+    if (!strip) {
+      leg.reason = "no strip of free triangles leads to it, as was found out on the way";
+      return leg;
+    }
+    leg.path = geodesic_.taut().within(driven, start, goal);
     leg.planned = leg.path->length();
     return leg;
   }
@@ -415,7 +464,7 @@ int run(int argc, char** argv) {
   }
 
   double planned = 0.0, driven = 0.0;
-  std::size_t breaks = 0, shared = 0, left = 0;
+  std::size_t breaks = 0, shared = 0, left = 0, replans = 0;
   nlohmann::json unreached = nlohmann::json::array();
   for (std::size_t g = 0; g < journey.legs.size(); ++g) {
     const Leg& leg = journey.legs[g];
@@ -424,6 +473,7 @@ int run(int argc, char** argv) {
     breaks += leg.breaks;
     shared += leg.shared;
     left += leg.left;
+    replans += leg.replans;
     if (!leg.reason.empty()) unreached.push_back({{"goal", g}, {"reason", leg.reason}});
   }
   const bool all = unreached.empty() && !cli::interrupted();
@@ -452,6 +502,7 @@ int run(int argc, char** argv) {
                          {"tracking_rms_m", tracked ? nlohmann::json(rms) : none},
                          {"tracking_worst_m", tracked ? nlohmann::json(worst) : none},
                          {"left_strip", left},
+                         {"replans", replans},
                          {"field_breaks", breaks},
                          {"field_shared_vertices", shared},
                          {"covered_triangles", s.cover ? nlohmann::json(covered) : none},

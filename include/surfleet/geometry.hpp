@@ -16,6 +16,7 @@
 #include <surfleet/geometry/graph.hpp>
 #include <surfleet/geometry/graph_components.hpp>
 #include <surfleet/geometry/grey_image.hpp>
+#include <surfleet/geometry/incremental_search.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>

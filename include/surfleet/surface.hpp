@@ -19,6 +19,7 @@
 #include <surfleet/surface/sheet_tokens.hpp>
 #include <surfleet/surface/smooth_path.hpp>
 #include <surfleet/surface/strip_field.hpp>
+#include <surfleet/surface/strip_replanning.hpp>
 #include <surfleet/surface/strip_search.hpp>
 #include <surfleet/surface/surface_point.hpp>
 #include <surfleet/surface/surface_vehicles.hpp>

@@ -34,6 +34,7 @@ class SplineReference;
 struct StripCosts;
 struct StripPath;
 class StripPlace;
+class StripReplanner;
 class StripSearch;
 struct SurfacePath;
 struct SurfacePoint;

@@ -83,7 +83,16 @@ class StripSearch {
                                      std::numeric_limits<double>::infinity());
   }
 
-  // The graph, for `shortest_paths`.
+  /// Changes one triangle's own cost, 0 or more; infinite blocks it.
+  void set_user_cost(std::int32_t triangle, double cost) {
+    require(triangle >= 0 && static_cast<std::size_t>(triangle) < mesh_->triangles.size() &&
+                cost >= 0.0,
+            "strip costs: expected a triangle of the mesh and a cost of 0 or more");
+    if (costs_.user.empty()) costs_.user.assign(mesh_->triangles.size(), 0.0);
+    costs_.user[static_cast<std::size_t>(triangle)] = cost;
+  }
+
+  // The graph, for `shortest_paths` and `IncrementalSearch`.
   std::size_t size() const { return over_.size(); }
   struct Arcs {
     std::array<Arc, 2> arc;
@@ -105,6 +114,37 @@ class StripSearch {
     return arcs;
   }
 
+  /// The arcs that lead to `out`; `to` is where they come from.
+  Arcs arcs_into(std::int32_t out) const {
+    Arcs arcs;
+    if (blocked(out / 3) || twin(out) < 0 || blocked(twin(out) / 3)) return arcs;
+    for (const std::int32_t h : before(out))
+      if (h >= 0) arcs.arc[arcs.count++] = {h, piece(h, out)};
+    return arcs;
+  }
+  /// The nodes that come before `out`, −1 at a border, whether or not they are blocked.
+  std::array<std::int32_t, 2> before(std::int32_t out) const {
+    const std::int32_t t = 3 * (out / 3);
+    return {twin(t + (out - t + 1) % 3), twin(t + (out - t + 2) % 3)};
+  }
+  /// The first nodes of every strip from `start`, with the cost to reach them; none where its
+  /// triangle is blocked.
+  std::vector<Source> sources(const SurfacePoint& start) const {
+    std::vector<Source> sources;
+    if (blocked(start.triangle)) return sources;
+    const Point3 from = start.position(*mesh_);
+    for (std::int32_t k = 0; k < 3; ++k) {
+      const std::int32_t h = 3 * start.triangle + k;
+      if (twin(h) >= 0 && !blocked(twin(h) / 3))
+        sources.push_back({h, factor(start.triangle) * (at(h) - from).norm()});
+    }
+    return sources;
+  }
+  /// What a strip costs that leads from `start` to `goal` in one triangle.
+  double within_triangle(const SurfacePoint& start, const SurfacePoint& goal) const {
+    return factor(start.triangle) * (goal.position(*mesh_) - start.position(*mesh_)).norm();
+  }
+
   /// The cheapest strip from `start` to `goal`; nothing where none leads there. A* with the
   /// straight distance. O(n log n).
   std::optional<StripPath> operator()(const SurfacePoint& start, const SurfacePoint& goal) const {
@@ -112,16 +152,11 @@ class StripSearch {
     if (blocked(start.triangle) || blocked(goal.triangle)) return std::nullopt;
     if (start.triangle == goal.triangle) {
       path.triangles.push_back(start.triangle);
-      path.cost = factor(start.triangle) * (goal.position(*mesh_) - start.position(*mesh_)).norm();
+      path.cost = within_triangle(start, goal);
       return path;
     }
-    const Point3 from = start.position(*mesh_), to = goal.position(*mesh_);
-    std::vector<Source> sources;
-    for (std::int32_t k = 0; k < 3; ++k) {
-      const std::int32_t h = 3 * start.triangle + k;
-      if (twin(h) >= 0 && !blocked(twin(h) / 3))
-        sources.push_back({h, factor(start.triangle) * (at(h) - from).norm()});
-    }
+    const Point3 to = goal.position(*mesh_);
+    const std::vector<Source> sources = this->sources(start);
     // The search ends when nothing open can still lead to a cheaper end.
     double best = ShortestPaths::kUnreached;
     std::int32_t last = -1;
