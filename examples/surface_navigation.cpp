@@ -26,6 +26,7 @@
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/surface/drive_path.hpp>
 #include <surfleet/surface/geodesic_strip.hpp>
+#include <surfleet/surface/single_strip.hpp>
 #include <surfleet/surface/strip_replanning.hpp>
 #include <surfleet/surface/strip_search.hpp>
 
@@ -41,7 +42,7 @@ using namespace surfleet;
 
 struct Settings {
   std::string scene = "bumpy_slope", out = "out/surface_navigation", search = "geodesic",
-              field = "continuous", robot = "point", blocked;
+              field = "continuous", robot = "point", blocked, cover_by = "tour";
   double edge = 0.0, curvature = 0.0, turn = 0.0, slope = 0.0, speed = 0.05, ahead = 0.02;
   std::vector<double> start, goal, noise{0.0, 0.0};
   double off_surface = 0.1, sense = 0.0;
@@ -131,6 +132,11 @@ Settings settings(int argc, char** argv) {
       .expected(2);
   app.add("--seed", s.seed, "of the noise");
   app.add_flag("--cover", s.cover, "drive a strip that covers the surface, from the start");
+  app.add(
+         "--cover-by", s.cover_by,
+         "tour: over whole triangles, some of them again; single: every piece once, some triangles "
+         "halved, and again only on detours past borders")
+      .one_of({"tour", "single"});
   app.add("--out", s.out, "folder for the results");
   app.add_flag("--quiet", s.quiet, "no progress line");
   app.add_config_file();
@@ -372,11 +378,29 @@ int run(int argc, char** argv) {
   scanned.threads = s.cloud.threads;
   scanned.seed = s.seed;
   nlohmann::json scan_metrics = nlohmann::json::object();
-  const TriangleMesh mesh =
+  TriangleMesh surface =
       clean_surface(examples::scanned_surface_mesh(scanned, scan_metrics), &defects);
   require(s.blocked.empty() || defects.removed_triangles == 0,
           "--blocked: the mesh has triangles without area or said twice, so numbers would not "
           "match; expected a clean mesh");
+  std::optional<SingleStrip> single;
+  double single_time = 0.0;
+  if (s.cover && s.cover_by == "single") {
+    require(s.blocked.empty(), "--blocked: expected --cover-by tour with it");
+    require(s.start.empty() || Point3(s.start[0], s.start[1], s.start[2]).allFinite(),
+            "--start: expected finite numbers");
+    const Box3 all = surface.bounds();
+    const Point3 from = s.start.empty() ? Point3(all.center() - 0.4 * all.sizes())
+                                        : Point3(s.start[0], s.start[1], s.start[2]);
+    const auto at = nearest_surface_point(surface, Bvh(surface), from);
+    const auto planning = examples::Clock::now();
+    single = single_strip(surface, at->triangle);
+    single_time = examples::seconds_since(planning);
+    scan_metrics["split_triangles"] = single->split;
+    scan_metrics["detour_places"] = single->detours;
+    surface = single->mesh;
+  }
+  const TriangleMesh& mesh = surface;
   const Bvh bvh(mesh);
   const auto place = [&](const Point3& p, const char* what) {
     require(p.allFinite(), std::string(what) + ": expected finite numbers");
@@ -394,8 +418,9 @@ int run(int argc, char** argv) {
   const auto end = [&](double share) {
     return *nearest_surface_point(mesh, bvh, box.center() + (share - 0.5) * box.sizes());
   };
-  const SurfacePoint start =
+  SurfacePoint start =
       s.start.empty() ? end(0.1) : place({s.start[0], s.start[1], s.start[2]}, "--start");
+  if (single) start = SurfacePoint{single->triangles.front()};
   std::vector<SurfacePoint> goals;
   for (std::size_t k = 0; k + 2 < s.goal.size(); k += 3)
     goals.push_back(place({s.goal[k], s.goal[k + 1], s.goal[k + 2]}, "--goal"));
@@ -427,16 +452,21 @@ int run(int argc, char** argv) {
   };
   if (s.cover) {
     const auto planning = examples::Clock::now();
-    const SurfaceGraph dual = DualMeshGraph{}(mesh, EdgeGeodesic{});
-    const auto part = connected_components(dual.links);
-    std::vector<std::int32_t> piece;
-    for (std::size_t t = 0; t < part.size(); ++t)
-      if (part[t] == part[static_cast<std::size_t>(start.triangle)])
-        piece.push_back(static_cast<std::int32_t>(t));
-    const CoveringStrip strip = covering_strip(mesh, dual.links, piece, start.triangle);
-    journey.planning = examples::seconds_since(planning);
+    std::vector<std::int32_t> strip;
+    if (single) {
+      strip = single->triangles;
+    } else {
+      const SurfaceGraph dual = DualMeshGraph{}(mesh, EdgeGeodesic{});
+      const auto part = connected_components(dual.links);
+      std::vector<std::int32_t> piece;
+      for (std::size_t t = 0; t < part.size(); ++t)
+        if (part[t] == part[static_cast<std::size_t>(start.triangle)])
+          piece.push_back(static_cast<std::int32_t>(t));
+      strip = covering_strip(mesh, dual.links, piece, start.triangle).triangles;
+    }
+    journey.planning = examples::seconds_since(planning) + single_time;
     SurfacePoint at = start;
-    for (const auto& triangles : split_at_turns(strip.triangles)) {
+    for (const auto& triangles : split_at_turns(strip)) {
       if (cli::interrupted()) break;
       Leg leg;
       leg.path.emplace();

@@ -19,6 +19,7 @@
 #include <surfleet/geometry/incremental_search.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
 #include <surfleet/geometry/keep_out.hpp>
+#include <surfleet/geometry/matching.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>

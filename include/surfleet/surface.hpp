@@ -17,6 +17,7 @@
 #include <surfleet/surface/scan.hpp>
 #include <surfleet/surface/scan_triangulation.hpp>
 #include <surfleet/surface/sheet_tokens.hpp>
+#include <surfleet/surface/single_strip.hpp>
 #include <surfleet/surface/smooth_path.hpp>
 #include <surfleet/surface/strip_field.hpp>
 #include <surfleet/surface/strip_replanning.hpp>

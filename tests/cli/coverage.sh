@@ -27,6 +27,12 @@ awk -v e="$(value scanned reconstruction_error_mean_m)" 'BEGIN { exit !(e > 0 &&
 refused surface_navigation --scene tube --reconstruct mls --out out
 refused surface_navigation --scene tube --reconstruct itm --scan-from -0.4 0 0 0.4 0 0 --out out
 refused surface_navigation --scene tube --method dense --faces 100 --out out
+# Every piece once; and blocked triangles that come in sight on the way.
+"$bin/surface_navigation" --quiet --cover --cover-by single --edge 0.2 --out once >once.txt
+[ "$(value once covered_triangles)" = 1.0 ] && [ "$(value once left_strip)" = 0 ]
+seq 100 7 600 >some.txt
+"$bin/surface_navigation" --quiet --blocked some.txt --sense 0.3 --out seen >seen.txt
+[ "$(value seen reached_goal)" = true ] && [ "$(value seen replans)" -gt 0 ]
 # A wall of blocked triangles about the start is said to be one.
 printf 'ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n' >two.ply
 echo 1 >walls.txt

@@ -85,6 +85,8 @@ TEST(replanning_ends_where_no_way_is) {
   CHECK(plan(goal)->triangles == std::vector<std::int32_t>{goal.triangle});
   plan.set_user_cost(goal.triangle, kBlocked);
   CHECK(!plan(start).has_value());
+  plan.set_user_cost(goal.triangle, 50.0);  // as dear as that at its end
+  CHECK_NEAR(plan(start)->cost, StripSearch(plane, plan.graph().costs())(start, goal)->cost, 1e-9);
   plan.set_user_cost(goal.triangle, 0.0);
   CHECK(plan(start).has_value());
   for (std::int32_t t = 0; t < static_cast<std::int32_t>(plane.triangles.size()); ++t)

@@ -29,6 +29,7 @@ struct RearDriveBicycle;
 struct Scan;
 struct ScanTriangulation;
 struct SheetTokens;
+struct SingleStrip;
 struct SmoothPath;
 class SplineReference;
 struct StripCosts;
