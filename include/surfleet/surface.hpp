@@ -14,11 +14,14 @@
 #include <surfleet/surface/geodesic_strip.hpp>
 #include <surfleet/surface/greedy_projection.hpp>
 #include <surfleet/surface/moving_least_squares.hpp>
+#include <surfleet/surface/patch_drive.hpp>
+#include <surfleet/surface/quadric_patch.hpp>
 #include <surfleet/surface/scan.hpp>
 #include <surfleet/surface/scan_triangulation.hpp>
 #include <surfleet/surface/sheet_tokens.hpp>
 #include <surfleet/surface/single_strip.hpp>
 #include <surfleet/surface/smooth_path.hpp>
+#include <surfleet/surface/sparse_planner.hpp>
 #include <surfleet/surface/strip_field.hpp>
 #include <surfleet/surface/strip_replanning.hpp>
 #include <surfleet/surface/strip_search.hpp>

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include <surfleet/surface/sparse_planner.hpp>
+
+#include <surfleet/core/random.hpp>
+#include <surfleet/surface/patch_drive.hpp>
+
+#include "check.hpp"
+
+namespace {
+using namespace surfleet;
+
+/// Random points on a cylinder about x with normals outward, and on a sphere or plane likewise.
+template <typename Place>
+PointCloud sampled(int count, double noise, std::uint64_t seed, const Place& place) {
+  Random random(seed);
+  PointCloud cloud;
+  for (int i = 0; i < count; ++i) {
+    Point3 p;
+    Eigen::Vector3d n;
+    place(random, p, n);
+    cloud.points.push_back(p + noise * random.normal() * n);
+    cloud.normals.push_back(n.cast<float>());
+  }
+  return cloud;
+}
+void on_sphere(Random& random, Point3& p, Eigen::Vector3d& n) {
+  n = Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+  p = n;
+}
+void on_tube(Random& random, Point3& p, Eigen::Vector3d& n) {
+  const double a = random.uniform(0.0, 2.0 * kPi);
+  n = Eigen::Vector3d(0.0, std::cos(a), std::sin(a));
+  p = Point3(random.uniform(0.0, 1.5), 0.0, 0.0) + 0.35 * n;
+}
+std::int32_t nearest_to(const PointCloud& cloud, const Point3& p) {
+  return KdTree(cloud.points).nearest(p)->index;
+}
+}  // namespace
+
+TEST(quadrics_find_the_surface_they_were_sampled_from) {
+  const PointCloud ball = sampled(20000, 0.0, 1, on_sphere);
+  const KdTree tree(ball.points);
+  const Point3 at = ball.points[7];
+  const auto patch = fit_quadric(ball, tree, at, {.noise = 1e-4});
+  CHECK(patch.has_value());
+  CHECK(patch->radius > 0.15);
+  CHECK(patch->residual < 2e-4);
+  // Outside positive, distances true, normals outward, on all of the patch.
+  for (const Neighbor& n : tree.within(at, 0.15)) {
+    const Point3& p = ball.points[static_cast<std::size_t>(n.index)];
+    CHECK_NEAR(patch->distance(1.001 * p), 0.001, 2e-4);
+    CHECK((patch->gradient(p).normalized() - p).norm() < 0.01);
+    CHECK_NEAR(patch->projected(1.05 * p)->norm(), 1.0, 2e-4);
+  }
+  // The other side's normals turn it round.
+  PointCloud hollow = ball;
+  for (auto& n : hollow.normals) n = -n;
+  CHECK(fit_quadric(hollow, tree, at, {.noise = 1e-4})->distance(1.001 * at) < 0.0);
+  // Noise: within a fraction of it.
+  const PointCloud rough = sampled(60000, 0.005, 2, on_sphere);
+  const KdTree rough_tree(rough.points);
+  const auto fitted = fit_quadric(rough, rough_tree, at, {.noise = 0.005});
+  CHECK(fitted->residual > 0.004 && fitted->residual < 0.01);
+  CHECK_NEAR(fitted->projected(at)->norm(), 1.0, 0.003);
+  // Points that do not count pull at nothing.
+  PointCloud stray = ball;
+  std::vector<double> saliency(ball.size(), 1.0);
+  for (std::size_t i = 0; i < stray.size(); i += 10) {
+    stray.points[i] *= 1.05;
+    saliency[i] = 0.0;
+  }
+  const KdTree stray_tree(stray.points);
+  CHECK_NEAR(fit_quadric(stray, stray_tree, at, {.noise = 0.05}, saliency)->projected(at)->norm(),
+             1.0, 1e-3);
+  CHECK(std::abs(fit_quadric(stray, stray_tree, at, {.noise = 0.05})->projected(at)->norm() - 1.0) >
+        3e-3);
+}
+
+TEST(quadrics_end_where_the_surface_is_none) {
+  // A ridge of two planes: a patch on one of them ends before the ridge, none lies across it.
+  const PointCloud ridge =
+      sampled(20000, 0.001, 3, [](Random& random, Point3& p, Eigen::Vector3d& n) {
+        const double x = random.uniform(-0.5, 0.5), y = random.uniform(-0.5, 0.5);
+        p = Point3(x, y, -std::abs(x));
+        n = Eigen::Vector3d(x < 0.0 ? -1.0 : 1.0, 0.0, 1.0).normalized();
+      });
+  const KdTree tree(ridge.points);
+  const auto side = fit_quadric(ridge, tree, Point3(0.1, 0.0, -0.1), {.noise = 0.001});
+  CHECK(side && side->residual < 0.002 && side->radius < 0.25);
+  PointCloud few;
+  few.points.assign(5, Point3::Zero());
+  few.normals.assign(5, Eigen::Vector3f::UnitZ());
+  CHECK(!fit_quadric(few, KdTree(few.points), Point3::Zero()).has_value());
+  few.normals.pop_back();
+  CHECK_THROWS(Error, fit_quadric(few, KdTree(few.points), Point3::Zero()));
+}
+
+TEST(primitives_follow_great_and_small_circles) {
+  const PointCloud ball = sampled(20000, 0.0, 4, on_sphere);
+  const KdTree tree(ball.points);
+  const auto patch = fit_quadric(ball, tree, Point3(1, 0, 0), {.noise = 5e-4, .most_radius = 0.5});
+  const auto start = patch->pose(Point3(1, 0, 0), Eigen::Vector3d(0, 1, 0));
+  const auto straight = patch->drive(*start, 0.0, 0.2);
+  CHECK((straight->position - Point3(std::cos(0.2), std::sin(0.2), 0)).norm() < 1.5e-3);
+  CHECK((straight->forward - Eigen::Vector3d(-std::sin(0.2), std::cos(0.2), 0)).norm() < 0.02);
+  // Geodesic curvature k on a unit sphere: a circle whose angular radius has the cotangent k.
+  const double k = 20.0, radius = std::atan(1.0 / k);
+  const auto round = patch->drive(*start, k, 2.0 * kPi * std::sin(radius), 2e-4);
+  CHECK(round.has_value());
+  CHECK((round->position - start->position).norm() < 2e-3);
+  const auto half = patch->drive(*start, k, kPi * std::sin(radius), 2e-4);
+  CHECK_NEAR((half->position - start->position).norm(), 2.0 * std::sin(radius), 2e-3);
+  CHECK(half->position.z() > 0.0);  // to the left of +y, seen from outside
+  CHECK(!patch->drive(*start, 0.0, 3.0).has_value());
+}
+
+TEST(sparse_paths_are_near_the_shortest) {
+  const PointCloud tube = sampled(6000, 0.002, 5, on_tube);
+  const SparsePlanner plan(tube);
+  const double a = 2.2;  // round and along: a helix
+  const std::int32_t start = nearest_to(tube, Point3(0.1, 0.35, 0.0)),
+                     goal = nearest_to(tube, Point3(1.3, 0.35 * std::cos(a), 0.35 * std::sin(a)));
+  const auto path = plan(start, goal);
+  CHECK(path.has_value());
+  const double exact = std::hypot(1.2, 0.35 * a);
+  CHECK(path->length < 1.12 * exact);
+  CHECK(path->length > 0.97 * exact);
+  CHECK(path->points.front() == start && path->points.back() == goal);
+  for (std::size_t i = 1; i < path->points.size(); ++i)
+    CHECK(plan.edge(path->points[i - 1], path->points[i]));
+  CHECK(plan(start, goal)->points == path->points);
+  CHECK(plan(start, start)->points == std::vector<std::int32_t>{start});
+  SparsePlannerOptions other;
+  other.seed = 2;
+  CHECK(SparsePlanner(tube, other)(start, goal)->points != path->points);
+  // More samples, no longer a path.
+  other.samples = 800;
+  const auto less = SparsePlanner(tube, other)(start, goal);
+  other.samples = 20000;
+  CHECK(!less || SparsePlanner(tube, other)(start, goal)->length < less->length);
+
+  // Driven over patches.
+  std::vector<Point3> waypoints;
+  for (const std::int32_t i : path->points)
+    waypoints.push_back(tube.points[static_cast<std::size_t>(i)]);
+  PatchDriveOptions options;
+  options.quadric.noise = 0.002;
+  const PatchDrive drive = drive_over_patches(tube, plan.tree(), waypoints, options);
+  CHECK(drive.reached);
+  CHECK(drive.length < 1.1 * path->length);
+  CHECK(drive.off_path < 0.03);
+  CHECK(drive.patches > 1);
+  for (const PatchPose& p : drive.poses) {
+    CHECK_NEAR(p.position.tail<2>().norm(), 0.35, 0.003);
+    CHECK(p.normal.tail<2>().dot(p.position.tail<2>()) > 0.99 * 0.35);
+    CHECK(std::abs(p.forward.dot(p.normal)) < 1e-9);
+  }
+}
+
+TEST(sparse_paths_do_not_jump) {
+  // Two plates 20 cm apart, and a lid 2 cm above one that looks the other way.
+  PointCloud plates = sampled(4000, 0.0, 6, [](Random& random, Point3& p, Eigen::Vector3d& n) {
+    n = Eigen::Vector3d::UnitZ();
+    p = Point3(random.uniform(0, 0.5) + (random.uniform() < 0.5 ? 0.0 : 0.7),
+               random.uniform(0, 0.5), 0);
+  });
+  const std::size_t floor = plates.size();
+  for (std::size_t i = 0; i < floor; ++i) {
+    plates.points.push_back(plates.points[i] + Point3(0.0, 0.0, 0.02));
+    plates.normals.emplace_back(0.0F, 0.0F, -1.0F);
+  }
+  const SparsePlanner plan(plates);
+  const std::int32_t here = nearest_to(plates, Point3(0.1, 0.1, 0));
+  CHECK(!plan(here, nearest_to(plates, Point3(1.1, 0.3, 0))).has_value());
+  CHECK(!plan(here, here + static_cast<std::int32_t>(floor)).has_value());
+  CHECK(plan(here, nearest_to(plates, Point3(0.45, 0.4, 0))).has_value());
+  CHECK_THROWS(Error, plan(here, -1));
+  plates.normals.clear();
+  CHECK_THROWS(Error, SparsePlanner(plates));
+}
