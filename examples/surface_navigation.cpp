@@ -34,6 +34,7 @@
 #include "support/cloud_navigation.hpp"
 #include "support/peak_memory.hpp"
 #include "support/scanned_surface.hpp"
+#include "support/sparse_navigation.hpp"
 #include "support/stopwatch.hpp"
 #include "support/surface_scene.hpp"
 
@@ -46,6 +47,7 @@ struct Settings {
   double edge = 0.0, curvature = 0.0, turn = 0.0, slope = 0.0, speed = 0.05, ahead = 0.02;
   std::vector<double> start, goal, noise{0.0, 0.0};
   double off_surface = 0.1, sense = 0.0;
+  long samples = 5000;
   std::uint64_t seed = 1;
   bool cover = false, quiet = false;
   std::string method = "strip";
@@ -63,8 +65,10 @@ Settings settings(int argc, char** argv) {
   app.add("--scene", s.scene, examples::kSurfaceScenes);
   app.add("--method", s.method,
           "strip: over a mesh; dense: over a point cloud (.ply without triangles, .xyz) or samples "
-          "of a scene, by tensor voting and A* over cells and headings")
-      .one_of({"strip", "dense"});
+          "of a scene, by tensor voting and A* over cells and headings; sparse: by RRT* over the "
+          "points of such a cloud, and a bicycle's motions on quadrics")
+      .one_of({"strip", "dense", "sparse"});
+  app.add("--samples", s.samples, "of the tree (sparse)").positive();
   examples::CloudNavigation& c = s.cloud;
   app.add("--density", c.density, "of the samples of a scene [1/m^2] (dense)").positive();
   app.add("--scan-from", c.scan_from,
@@ -353,7 +357,7 @@ class Navigation {
 int run(int argc, char** argv) {
   const auto begin = examples::Clock::now();
   Settings s = settings(argc, argv);
-  if (s.method == "dense") {
+  if (s.method != "strip") {
     examples::CloudNavigation& c = s.cloud;
     c.scene = s.scene;
     c.out = s.out;
@@ -364,6 +368,8 @@ int run(int argc, char** argv) {
     c.speed = s.speed;
     c.seed = s.seed;
     c.quiet = s.quiet;
+    if (s.method == "sparse")
+      return examples::navigate_sparse_cloud(c, static_cast<std::size_t>(s.samples));
     return examples::navigate_cloud(c);
   }
   SurfaceDefects defects;

@@ -27,3 +27,8 @@ printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty floa
 refused surface_navigation --scene one.ply --method dense --out out
 printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\nnan 0 0\n1 0 0\n' >nan.ply
 refused surface_navigation --scene nan.ply --method dense --out out
+# A tree over the points, and motions on quadrics along it.
+"$bin/surface_navigation" --scene tube --method sparse --cloud-noise 0.003 --quiet --out tree >tree.txt
+[ "$(value tree reached_goal)" = true ] && [ -s tree/driven.tum ] && [ -s tree/report.html ]
+awk -v r="$(value tree geodesic_ratio)" 'BEGIN { exit !(r > 0.9 && r < 1.12) }'
+refused surface_navigation --scene tube --method sparse --goal 0 0 9 --out out

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+// Meshes from scans of the steam chest, strips replanned among blocked triangles, strips that cover
+// every piece once, and RRT* over clouds. Prints JSON.
+//
+//   surface_planning [--seeds 20] [--first-seed 101]
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/scanned_surface.hpp"
+#include "support/stopwatch.hpp"
+
+#include <surfleet/core/random.hpp>
+#include <surfleet/evaluation/statistics.hpp>
+#include <surfleet/evaluation/surface_sampling.hpp>
+#include <surfleet/geometry/mesh_primitives.hpp>
+#include <surfleet/surface/geodesic_strip.hpp>
+#include <surfleet/surface/single_strip.hpp>
+#include <surfleet/surface/sparse_planner.hpp>
+#include <surfleet/surface/strip_replanning.hpp>
+
+namespace {
+using namespace surfleet;
+using namespace surfleet::examples;
+constexpr double kBlocked = std::numeric_limits<double>::infinity();
+
+void print(const char* name, const std::vector<double>& values) {
+  if (values.empty()) return;
+  const Summary s = summarize(values);
+  std::printf(", \"%s\": {\"mean\": %.5g, \"p95\": %.5g, \"worst\": %.5g}", name, s.mean,
+              s.percentile_95, s.maximum);
+}
+SurfacePoint random_point(const TriangleMesh& mesh, Random& random) {
+  Eigen::Vector3d w(random.uniform(0.02, 1), random.uniform(0.02, 1), random.uniform(0.02, 1));
+  return {static_cast<std::int32_t>(random.below(mesh.triangles.size())), w / w.sum()};
+}
+
+/// Vertices on each connected border, as many lists as there are borders.
+std::vector<std::vector<Point3>> borders(const TriangleMesh& mesh) {
+  const MeshAdjacency adjacency(mesh);
+  DisjointSets sets(mesh.vertices.size());
+  std::vector<std::int32_t> on;
+  for (const std::int32_t e : adjacency.boundary_edges()) {
+    const auto& v = adjacency.edges()[static_cast<std::size_t>(e)].vertices;
+    sets.unite(v[0], v[1]);
+    on.push_back(v[0]);
+    on.push_back(v[1]);
+  }
+  std::sort(on.begin(), on.end());
+  on.erase(std::unique(on.begin(), on.end()), on.end());
+  std::vector<std::vector<Point3>> parts;
+  std::vector<std::int32_t> number(mesh.vertices.size(), -1);
+  for (const std::int32_t v : on) {
+    auto& n = number[static_cast<std::size_t>(sets.find(v))];
+    if (n < 0) {
+      n = static_cast<std::int32_t>(parts.size());
+      parts.emplace_back();
+    }
+    parts[static_cast<std::size_t>(n)].push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+  }
+  return parts;
+}
+/// Openings of the steam chest with a border all round them, within 10 cm.
+int openings(const std::vector<std::vector<Point3>>& parts) {
+  int open = 0;
+  const auto count = [&](const Point3& at, const Eigen::Vector3d& axis, double radius) {
+    for (const auto& part : parts) {
+      std::vector<int> sectors(12, 0);
+      const Eigen::Vector3d n = axis.normalized(), u = n.unitOrthogonal(), v = n.cross(u);
+      for (const Point3& p : part) {
+        const Eigen::Vector3d d = p - at;
+        if (std::abs(d.dot(n)) > 0.1 || std::abs(std::hypot(d.dot(u), d.dot(v)) - radius) > 0.1)
+          continue;
+        const double turn = (std::atan2(d.dot(v), d.dot(u)) + kPi) / (2.0 * kPi);
+        sectors[std::min<std::size_t>(11, static_cast<std::size_t>(12.0 * turn))] = 1;
+      }
+      if (std::count(sectors.begin(), sectors.end(), 1) == 12) {
+        ++open;
+        return;
+      }
+    }
+  };
+  for (const Tube& t : steam_chest_tubes()) {
+    if (t.open_a) count(t.a, t.a - t.b, t.radius_a);
+    if (t.open_b) count(t.b, t.b - t.a, t.radius_b);
+  }
+  return open;
+}
+
+void reconstruction(const char* method, std::uint64_t first, int seeds) {
+  std::vector<double> error, missing, open, others, nonmanifold, time;
+  for (int k = 0; k < seeds; ++k) {
+    ScannedSurface s;
+    s.scene = "steam_chest";
+    s.reconstruct = method;
+    s.noise = 0.018;
+    s.edge = 0.02;
+    s.seed = first + static_cast<std::uint64_t>(k);
+    nlohmann::json metrics;
+    const TriangleMesh mesh = scanned_surface_mesh(s, metrics);
+    const auto parts = borders(mesh);
+    error.push_back(100.0 * metrics["reconstruction_error_mean_m"].get<double>());
+    missing.push_back(100.0 * metrics["reconstruction_missing_p95_m"].get<double>());
+    time.push_back(metrics["reconstruction_time_s"].get<double>());
+    open.push_back(openings(parts));
+    others.push_back(static_cast<double>(parts.size()) - open.back());
+    nonmanifold.push_back(static_cast<double>(MeshAdjacency(mesh).non_manifold_edges().size()));
+  }
+  std::printf("{\"reconstruction\": \"%s\", \"least_openings\": %.0f", method,
+              *std::min_element(open.begin(), open.end()));
+  print("mean_error_cm", error);
+  print("missing_p95_cm", missing);
+  print("other_borders", others);
+  print("nonmanifold_edges", nonmanifold);
+  print("time_s", time);
+  std::printf("},\n");
+  std::fflush(stdout);
+}
+
+/// A hundredth of the triangles blocked, anywhere or among the four hundredths about the robot.
+void replanning(const char* name, const TriangleMesh& mesh, bool near, std::uint64_t first,
+                int seeds) {
+  std::vector<double> share, again_ms, fresh_ms;
+  int differ = 0;
+  for (int k = 0; k < seeds; ++k) {
+    Random random(first + static_cast<std::uint64_t>(k));
+    const SurfacePoint start = random_point(mesh, random), goal = random_point(mesh, random);
+    StripReplanner plan(mesh, goal);
+    const auto before = plan(start);
+    if (!before) continue;
+    const SurfacePoint at{
+        before->triangles[std::min<std::size_t>(10, before->triangles.size() - 1)]};
+    std::vector<std::pair<double, std::int32_t>> order;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      order.push_back({near ? (mesh.centroid(t) - at.position(mesh)).norm() : 0.0,
+                       static_cast<std::int32_t>(t)});
+    std::sort(order.begin(), order.end());
+    const std::size_t count = mesh.triangles.size() / 100;
+    const std::size_t among = near ? 4 * count : order.size();
+    const auto begin = Clock::now();
+    for (std::size_t b = 0; b < count; ++b) {
+      const std::int32_t t = order[random.below(among)].second;
+      if (t != at.triangle && t != goal.triangle) plan.set_user_cost(t, kBlocked);
+    }
+    const auto again = plan(at);
+    const double spent = seconds_since(begin);
+    const StripSearch search(mesh, plan.graph().costs());
+    const auto scratch = Clock::now();
+    const auto fresh = search(at, goal);
+    const double whole = seconds_since(scratch);
+    if (again.has_value() != fresh.has_value() ||
+        (fresh && std::abs(again->cost - fresh->cost) > 1e-9 * (1.0 + fresh->cost)))
+      ++differ;
+    again_ms.push_back(1000.0 * spent);
+    fresh_ms.push_back(1000.0 * whole);
+  }
+  double a = 0.0, f = 0.0;
+  for (const double v : again_ms) a += v;
+  for (const double v : fresh_ms) f += v;
+  std::printf(
+      "{\"replanning\": \"%s\", \"triangles\": %zu, \"costs_that_differ\": %d, "
+      "\"time_over_scratch\": %.4f",
+      name, mesh.triangles.size(), differ, a / f);
+  print("again_ms", again_ms);
+  print("scratch_ms", fresh_ms);
+  std::printf("},\n");
+}
+
+void covering(const char* name, const TriangleMesh& mesh, std::uint64_t first, int seeds) {
+  std::vector<double> split, places, covered;
+  for (int k = 0; k < seeds; ++k) {
+    Random random(first + static_cast<std::uint64_t>(k));
+    const auto start = static_cast<std::int32_t>(random.below(mesh.triangles.size()));
+    const SingleStrip strip = single_strip(mesh, start);
+    std::vector<std::uint8_t> seen(mesh.triangles.size(), 0);
+    for (const std::int32_t t : strip.triangles)
+      seen[static_cast<std::size_t>(strip.source[static_cast<std::size_t>(t)])] = 1;
+    const auto n = static_cast<double>(mesh.triangles.size());
+    covered.push_back(static_cast<double>(std::count(seen.begin(), seen.end(), 1)) / n);
+    split.push_back(static_cast<double>(strip.split) / n);
+    places.push_back(static_cast<double>(strip.triangles.size()) /
+                     static_cast<double>(strip.mesh.triangles.size()));
+  }
+  std::printf("{\"covering\": \"%s\", \"triangles\": %zu, \"least_covered\": %.4f", name,
+              mesh.triangles.size(), *std::min_element(covered.begin(), covered.end()));
+  print("split_share", split);
+  print("places_over_pieces", places);
+  std::printf("},\n");
+}
+
+void tree(const char* name, const TriangleMesh& mesh, double density, bool last,
+          std::uint64_t first, int seeds) {
+  const Bvh bvh(mesh);
+  const SurfaceWalk walk(mesh);
+  const GeodesicStrips strips(walk);
+  std::vector<double> ratio, time;
+  int missed = 0;
+  for (int k = 0; k < seeds; ++k) {
+    const std::uint64_t seed = first + static_cast<std::uint64_t>(k);
+    PointCloud cloud = sample_surface(mesh, {.density = density, .seed = seed}).cloud;
+    cloud.normals = plane_normals(cloud.points);
+    turn_consistently(cloud.points, 12, cloud.normals);
+    SparsePlannerOptions options;
+    options.seed = seed;
+    const SparsePlanner plan(cloud, options);
+    Random random(seed);
+    for (int pair = 0; pair < 5; ++pair) {
+      const auto a = static_cast<std::int32_t>(random.below(cloud.size())),
+                 b = static_cast<std::int32_t>(random.below(cloud.size()));
+      const auto begin = Clock::now();
+      const auto path = plan(a, b);
+      time.push_back(seconds_since(begin));
+      if (!path) {
+        ++missed;
+        continue;
+      }
+      const auto from = nearest_surface_point(mesh, bvh, cloud.points[static_cast<std::size_t>(a)]),
+                 to = nearest_surface_point(mesh, bvh, cloud.points[static_cast<std::size_t>(b)]);
+      const auto shortest = strips(*from, *to);
+      if (shortest && shortest->length() > 0.2) ratio.push_back(path->length / shortest->length());
+    }
+  }
+  std::printf("{\"rrt_star\": \"%s\", \"missed\": %d", name, missed);
+  print("over_taut", ratio);
+  print("time_s", time);
+  std::printf("}%s\n", last ? "]" : ",");
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  int seeds = 20;
+  std::uint64_t first = 101;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string option = argv[i];
+    if (option == "--seeds") seeds = std::atoi(argv[i + 1]);
+    if (option == "--first-seed") first = std::strtoull(argv[i + 1], nullptr, 10);
+  }
+  std::printf("[");
+  const TriangleMesh slope = bumpy_slope({.edge = 0.02}), chest = clean_surface(steam_chest(0.04));
+  const TriangleMesh torus = make_torus(Point3::Zero(), 1.0, 0.4, 96, 38);
+  replanning("slope, 20 mm, anywhere", slope, false, first, seeds);
+  replanning("slope, 20 mm, about the robot", slope, true, first, seeds);
+  replanning("steam chest, anywhere", chest, false, first, seeds);
+  replanning("steam chest, about the robot", chest, true, first, seeds);
+  covering("slope, 20 mm", slope, first, seeds);
+  covering("slope with a hole, 50 mm", bumpy_slope({.edge = 0.05, .hole = true}), first, seeds);
+  covering("torus", torus, first, seeds);
+  covering("steam chest", chest, first, seeds);
+  reconstruction("mls", first, std::min(seeds, 5));
+  reconstruction("ftm", first, std::min(seeds, 5));
+  tree("slope", bumpy_slope({.edge = 0.05}), 3600.0, false, first, seeds);
+  tree("tube with a hole", holed_tube(), 3600.0, false, first, seeds);
+  tree("mock-up", mock_up(), 2000.0, true, first, seeds);
+}
