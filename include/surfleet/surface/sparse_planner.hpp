@@ -57,12 +57,14 @@ class SparsePlanner {
             "sparse planner: expected samples, and a goal bias of 0 or more and less than 1");
     const double spacing = median_spacing(cloud.points);
     require(spacing > 0.0, "sparse planner: the points lie at one place");
-    longest_ = options.longest_edge.value_or(8.0 * spacing);
     gap_ = options.gap.value_or(2.5 * spacing);
-    require(longest_ > 0.0 && gap_ > 0.0, "sparse planner: expected edges of more than 0 m");
     // Points thrown at random lie 0.47/√density from their nearest in the median.
     const double area = static_cast<double>(cloud.size()) * spacing * spacing / 0.22;
     gamma_ = options.gamma.value_or(2.0 * std::sqrt(1.5 * area / kPi));
+    const double n = static_cast<double>(options.samples) + 1.0;
+    longest_ =
+        options.longest_edge.value_or(std::max(8.0 * spacing, gamma_ * std::sqrt(std::log(n) / n)));
+    require(longest_ > 0.0 && gap_ > 0.0, "sparse planner: expected edges of more than 0 m");
   }
 
   /// Between two points of the cloud; nothing where the tree did not reach the goal.
