@@ -25,7 +25,9 @@ static_assert(ReversibleGraph<StripSearch>);
 
 /// `StripSearch` with a memory: answers cost what its own do, and a change costs what it concerns.
 /// What lies far from the goal is cheap to change, what lies next to it is not: all strips lead
-/// there. Takes some 100 bytes for every triangle.
+/// there. Where much changes at once (a hundredth of all
+/// triangles) a search anew by `StripSearch` is as fast or faster. Takes some 100 bytes for every
+/// triangle.
 class StripReplanner {
  public:
   /// The mesh must outlive it. Throws `Error` as `StripSearch` does. O(n).
