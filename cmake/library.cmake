@@ -37,6 +37,23 @@ surfleet_adapter(embree embree embree embree_ray_caster.hpp)
 surfleet_adapter(png PNG PNG::PNG png_depth.hpp png_reader.hpp png_writer.hpp)
 surfleet_adapter(zstd zstd zstd::libzstd_shared zstd_codec.hpp)
 
+# What goes over DDS has a type that is generated from its description, in C.
+find_package(CycloneDDS QUIET)
+if(TARGET CycloneDDS::ddsc)
+  enable_language(C)
+  idlc_generate(TARGET surfleet_fleet_message
+                FILES ${PROJECT_SOURCE_DIR}/include/surfleet/adapters/fleet_message.idl)
+  add_library(surfleet_dds_types STATIC EXCLUDE_FROM_ALL)
+  target_link_libraries(surfleet_dds_types PRIVATE surfleet_fleet_message PUBLIC CycloneDDS::ddsc)
+  add_library(surfleet_dds INTERFACE)
+  add_library(surfleet::dds ALIAS surfleet_dds)
+  target_include_directories(surfleet_dds SYSTEM INTERFACE ${CMAKE_CURRENT_BINARY_DIR})
+  target_link_libraries(surfleet_dds INTERFACE surfleet surfleet_dds_types)
+  add_dependencies(surfleet_dds surfleet_fleet_message_generate)
+else()
+  message(STATUS "surfleet::dds: CycloneDDS not found, left out")
+endif()
+
 # What takes the compiler long, compiled once: for who builds this project along with theirs.
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/compiled/*.cpp)
 add_library(surfleet_compiled STATIC EXCLUDE_FROM_ALL ${sources})

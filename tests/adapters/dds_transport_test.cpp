@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// requires: dds
+#include <surfleet/adapters/dds_transport.hpp>
+
+#include <unistd.h>
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "check.hpp"
+
+namespace {
+using namespace surfleet;
+
+constexpr std::uint32_t kTeam = 7;
+
+/// A team's name that no other process uses at the same time.
+DdsOptions team(const std::string& name) {
+  return {.domain = 71, .team = name + std::to_string(getpid())};
+}
+bool within(double seconds, const std::function<bool()>& done) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+std::vector<std::unique_ptr<DdsTransport>> fleet(std::size_t robots, const DdsOptions& options) {
+  std::vector<std::unique_ptr<DdsTransport>> all;
+  for (RobotId r = 0; r < robots; ++r) all.push_back(std::make_unique<DdsTransport>(r, options));
+  return all;
+}
+bool all_met(const std::vector<std::unique_ptr<DdsTransport>>& all) {
+  return within(20.0, [&] {
+    for (const auto& air : all)
+      if (air->listeners() + 1 < all.size()) return false;
+    return true;
+  });
+}
+Message<Packet> message(RobotId from, MessageKind kind, std::size_t size,
+                        std::optional<RobotId> to = {}, std::uint32_t number = 0) {
+  const Bytes body(size, std::byte{static_cast<unsigned char>(number)});
+  return {.time = number * 0.5,
+          .from = from,
+          .to = to,
+          .payload = seal({.kind = kind, .team = kTeam, .sender = from, .number = number, .body = body})};
+}
+/// What comes in the seconds that follow, until there are so many.
+std::vector<Message<Packet>> heard(DdsTransport& air, RobotId robot, std::size_t count,
+                                   double seconds = 10.0) {
+  std::vector<Message<Packet>> all;
+  within(seconds, [&] {
+    for (auto& m : air.receive(robot)) all.push_back(std::move(m));
+    return all.size() >= count;
+  });
+  return all;
+}
+
+TEST(robots_hear_each_other_over_dds_and_not_themselves) {
+  auto air = fleet(3, team("three"));
+  CHECK(all_met(air));
+  for (std::uint32_t k = 0; k < 10; ++k) air[0]->send(message(0, MessageKind::patch, 50000, {}, k));
+  air[1]->send(message(1, MessageKind::request, 20, RobotId{2}));
+  const auto one = heard(*air[1], 1, 10), two = heard(*air[2], 2, 11);
+  CHECK(one.size() == 10 && two.size() == 11);
+  for (const auto& m : one) {
+    CHECK(m.from == 0 && !m.to && m.payload.kind == MessageKind::patch);
+    CHECK(byte_size(m.payload) > 50000 && m.time == m.sequence * 0.5);
+  }
+  CHECK(std::any_of(two.begin(), two.end(), [](const auto& m) { return m.from == 1 && m.to == RobotId{2}; }));
+  CHECK(heard(*air[0], 0, 1, 0.3).empty());
+  CHECK(air[0]->counts().bytes_sent[static_cast<std::size_t>(MessageKind::patch)] > 500000);
+  CHECK_THROWS(Error, air[0]->send(message(1, MessageKind::state, 1)));
+  CHECK_THROWS(Error, air[0]->receive(1));
+}
+TEST(who_comes_late_hears_the_last_digest_but_no_patch) {
+  DdsTransport early(0, team("late"));
+  for (std::uint32_t k = 1; k <= 5; ++k) {
+    early.send(message(0, MessageKind::digest, 100, {}, k));
+    early.send(message(0, MessageKind::patch, 100, {}, k));
+  }
+  DdsTransport late(1, team("late"));
+  const auto found = heard(late, 1, 2, 3.0);
+  CHECK(found.size() == 1 && found[0].payload.kind == MessageKind::digest && found[0].time == 2.5);
+}
+TEST(teams_do_not_hear_each_other) {
+  DdsTransport ours(0, team("ours")), theirs(1, team("theirs")), mate(2, team("ours"));
+  CHECK(within(20.0, [&] { return ours.listeners() == 1; }));
+  ours.send(message(0, MessageKind::route, 10));
+  CHECK(heard(mate, 2, 1).size() == 1);
+  CHECK(heard(theirs, 1, 1, 0.3).empty());
+}
+TEST(dds_options_that_cannot_be_are_refused) {
+  CHECK_THROWS(Error, DdsTransport(64, team("x")));
+  CHECK_THROWS(Error, DdsTransport(0, {.team = "a/b"}));
+  CHECK_THROWS(Error, DdsTransport(0, {.team = ""}));
+  CHECK_THROWS(Error, dds_configuration({.peers = {"\"/><x"}}));
+  CHECK_THROWS(Error, dds_configuration({.lease = -1.0}));
+}
+}  // namespace
