@@ -48,6 +48,7 @@ find_package(octomap QUIET)
 find_package(ompl QUIET)
 find_package(CGAL QUIET)
 find_package(zstd QUIET)
+set(dds_FOUND ${CycloneDDS_FOUND})
 # Its package of two modules brings no file for CMake.
 find_path(OPENCV_INCLUDE opencv2/calib3d.hpp PATH_SUFFIXES opencv4)
 find_library(OPENCV_CALIB3D opencv_calib3d)

@@ -37,19 +37,23 @@ surfleet_adapter(embree embree embree embree_ray_caster.hpp)
 surfleet_adapter(png PNG PNG::PNG png_depth.hpp png_reader.hpp png_writer.hpp)
 surfleet_adapter(zstd zstd zstd::libzstd_shared zstd_codec.hpp)
 
-# What goes over DDS has a type that is generated from its description, in C.
+# What goes over DDS has a type, which is generated from its description, in C.
 find_package(CycloneDDS QUIET)
 if(TARGET CycloneDDS::ddsc)
   enable_language(C)
-  idlc_generate(TARGET surfleet_fleet_message
+  idlc_generate(TARGET surfleet_fleet_message BASE_DIR ${PROJECT_SOURCE_DIR}/include
                 FILES ${PROJECT_SOURCE_DIR}/include/surfleet/adapters/fleet_message.idl)
-  add_library(surfleet_dds_types STATIC EXCLUDE_FROM_ALL)
-  target_link_libraries(surfleet_dds_types PRIVATE surfleet_fleet_message PUBLIC CycloneDDS::ddsc)
-  add_library(surfleet_dds INTERFACE)
-  add_library(surfleet::dds ALIAS surfleet_dds)
-  target_include_directories(surfleet_dds SYSTEM INTERFACE ${CMAKE_CURRENT_BINARY_DIR})
-  target_link_libraries(surfleet_dds INTERFACE surfleet surfleet_dds_types)
-  add_dependencies(surfleet_dds surfleet_fleet_message_generate)
+  set(types ${CMAKE_CURRENT_BINARY_DIR}/surfleet/adapters/fleet_message)
+  add_library(surfleet_dds_types STATIC ${types}.c ${types}.h)
+  add_dependencies(surfleet_dds_types surfleet_fleet_message_generate)
+  target_link_libraries(surfleet_dds_types PUBLIC CycloneDDS::ddsc)
+  set_target_properties(surfleet_dds_types PROPERTIES EXPORT_NAME dds_types POSITION_INDEPENDENT_CODE ON)
+  surfleet_adapter(dds CycloneDDS CycloneDDS::ddsc dds_transport.hpp)
+  target_link_libraries(surfleet_dds INTERFACE surfleet_dds_types)
+  target_include_directories(surfleet_dds SYSTEM INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_BINARY_DIR}>)
+  install(TARGETS surfleet_dds_types EXPORT surfleet_dds)
+  install(FILES ${types}.h include/surfleet/adapters/fleet_message.idl
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/surfleet/adapters)
 else()
   message(STATUS "surfleet::dds: CycloneDDS not found, left out")
 endif()
@@ -64,8 +68,11 @@ target_link_libraries(surfleet_compiled PUBLIC surfleet)
 include(CMakePackageConfigHelpers)
 configure_package_config_file(cmake/surfleet-config.cmake.in surfleet-config.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/surfleet)
+if(NOT TARGET surfleet_dds)  # nothing but headers
+  set(any_machine ARCH_INDEPENDENT)
+endif()
 write_basic_package_version_file(surfleet-config-version.cmake COMPATIBILITY SameMinorVersion
-                                 ARCH_INDEPENDENT)
+                                 ${any_machine})
 foreach(target IN LISTS targets)
   install(TARGETS ${target} EXPORT ${target} FILE_SET HEADERS)
   install(EXPORT ${target} NAMESPACE surfleet:: FILE ${target}-targets.cmake

@@ -47,7 +47,8 @@ Message<Packet> message(RobotId from, MessageKind kind, std::size_t size,
   return {.time = number * 0.5,
           .from = from,
           .to = to,
-          .payload = seal({.kind = kind, .team = kTeam, .sender = from, .number = number, .body = body})};
+          .payload =
+              seal({.kind = kind, .team = kTeam, .sender = from, .number = number, .body = body})};
 }
 /// What comes in the seconds that follow, until there are so many.
 std::vector<Message<Packet>> heard(DdsTransport& air, RobotId robot, std::size_t count,
@@ -71,7 +72,8 @@ TEST(robots_hear_each_other_over_dds_and_not_themselves) {
     CHECK(m.from == 0 && !m.to && m.payload.kind == MessageKind::patch);
     CHECK(byte_size(m.payload) > 50000 && m.time == m.sequence * 0.5);
   }
-  CHECK(std::any_of(two.begin(), two.end(), [](const auto& m) { return m.from == 1 && m.to == RobotId{2}; }));
+  CHECK(std::any_of(two.begin(), two.end(),
+                    [](const auto& m) { return m.from == 1 && m.to == RobotId{2}; }));
   CHECK(heard(*air[0], 0, 1, 0.3).empty());
   CHECK(air[0]->counts().bytes_sent[static_cast<std::size_t>(MessageKind::patch)] > 500000);
   CHECK_THROWS(Error, air[0]->send(message(1, MessageKind::state, 1)));

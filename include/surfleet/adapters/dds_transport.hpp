@@ -8,7 +8,7 @@
 #pragma once
 
 #include <dds/dds.h>
-#include <fleet_message.h>
+#include <surfleet/adapters/fleet_message.h>
 
 #include <algorithm>
 #include <array>
@@ -33,10 +33,10 @@
 namespace surfleet {
 struct DdsOptions {
   std::uint32_t domain = 0;
-  std::string team = "surfleet";                ///< Letters, digits, _ and -.
-  std::vector<std::string> peers{"127.0.0.1"};  ///< Hosts that are asked for others.
-  double lease = 3.0;                           ///< Who is silent for so long is gone [s].
-  RobotId robots = 64;                          ///< Ids are below this.
+  std::string team = "surfleet";                  ///< Letters, digits, _ and -.
+  std::vector<std::string> peers{"127.0.0.1"};    ///< Hosts that are asked for others.
+  double lease = 3.0;                             ///< Who is silent for so long is gone [s].
+  RobotId robots = 64;                            ///< Ids are below this.
   std::size_t most_bytes = std::size_t{1} << 24;  ///< Of a message; longer ones are not read.
 };
 
@@ -54,8 +54,7 @@ inline std::string dds_configuration(const DdsOptions& options) {
   });
   std::string xml = "<CycloneDDS><Domain Id=\"any\"><General>";
   if (local)
-    xml +=
-        "<Interfaces><NetworkInterface address=\"127.0.0.1\" multicast=\"false\"/></Interfaces>";
+    xml += "<Interfaces><NetworkInterface address=\"127.0.0.1\" multicast=\"false\"/></Interfaces>";
   xml +=
       "<AllowMulticast>false</AllowMulticast></General><Discovery>"
       "<ParticipantIndex>auto</ParticipantIndex>"
@@ -83,15 +82,16 @@ class DdsTransport {
   /// Throws `Error` if there is no network, or for options out of range. All transports of a
   /// process share the configuration of the first of their domain.
   DdsTransport(RobotId self, DdsOptions options) : self_(self), options_(std::move(options)) {
-    require(self < options_.robots, "dds: robot " + std::to_string(self) +
-                                        "; expected one of " + std::to_string(options_.robots));
+    require(self < options_.robots, "dds: robot " + std::to_string(self) + "; expected one of " +
+                                        std::to_string(options_.robots));
     const bool plain = !options_.team.empty() &&
                        std::all_of(options_.team.begin(), options_.team.end(), [](unsigned char c) {
                          return std::isalnum(c) != 0 || c == '_' || c == '-';
                        });
     require(plain, "dds: team \"" + options_.team + "\"; expected letters, digits, _ or -");
     domain_ = shared_domain(options_);
-    participant_ = checked(dds_create_participant(options_.domain, nullptr, nullptr), "participant");
+    participant_ =
+        checked(dds_create_participant(options_.domain, nullptr, nullptr), "participant");
     const Qos all = partition(options_.team + "/robot/*");
     const Qos own = partition(prefix() + std::to_string(self_));
     const dds_entity_t subscriber =
@@ -137,11 +137,10 @@ class DdsTransport {
     require(robot == self_, "dds: a robot hears for itself alone");
     std::vector<Message<Packet>> arrived;
     for (std::size_t k = 0; k < kMessageKinds; ++k) take(static_cast<MessageKind>(k), arrived);
-    std::stable_sort(arrived.begin(), arrived.end(),
-                     [](const Message<Packet>& a, const Message<Packet>& b) {
-                       return std::tie(a.time, a.from, a.sequence) <
-                              std::tie(b.time, b.from, b.sequence);
-                     });
+    std::stable_sort(
+        arrived.begin(), arrived.end(), [](const Message<Packet>& a, const Message<Packet>& b) {
+          return std::tie(a.time, a.from, a.sequence) < std::tie(b.time, b.from, b.sequence);
+        });
     return arrived;
   }
   /// How many others listen.
@@ -171,8 +170,7 @@ class DdsTransport {
   static Qos quality(MessageKind kind) {
     Qos qos(dds_create_qos());
     const bool state = kind == MessageKind::state, digest = kind == MessageKind::digest;
-    dds_qset_reliability(qos.get(),
-                         state ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE,
+    dds_qset_reliability(qos.get(), state ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE,
                          DDS_MSECS(100));
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST,
                      state || digest ? 1 : static_cast<std::int32_t>(kKeptPatches));
@@ -252,7 +250,8 @@ class DdsTransport {
       char** names = nullptr;
       if (dds_qget_partition(endpoint->qos, &count, &names)) {
         if (count == 1 && std::string(names[0]).starts_with(prefix()))
-          if (const auto id = parse_number<std::uint32_t>(std::string(names[0]).substr(prefix().size())))
+          if (const auto id =
+                  parse_number<std::uint32_t>(std::string(names[0]).substr(prefix().size())))
             robot = *id;
         for (std::uint32_t i = 0; i < count; ++i) dds_free(names[i]);
         dds_free(names);
