@@ -10,6 +10,7 @@
 #include <surfleet/core/compiled.hpp>
 #include <surfleet/core/disjoint_sets.hpp>
 #include <surfleet/core/error.hpp>
+#include <surfleet/core/pace.hpp>
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/core/parse_number.hpp>
 #include <surfleet/core/random.hpp>

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // requires: dds
+#include <surfleet/adapters/dds_bodies.hpp>
+#include <surfleet/adapters/dds_team.hpp>
 #include <surfleet/adapters/dds_transport.hpp>
 
 #include <unistd.h>
@@ -96,11 +98,48 @@ TEST(teams_do_not_hear_each_other) {
   CHECK(heard(mate, 2, 1).size() == 1);
   CHECK(heard(theirs, 1, 1, 0.3).empty());
 }
+TEST(others_of_the_network_are_found_with_their_notes) {
+  DdsOptions alpha = team("alpha"), beta = team("beta");
+  alpha.domain = beta.domain = 73;  // where nobody else is
+  alpha.note = "first";
+  const DdsTeam one(0, alpha);
+  CHECK(one.others().empty());
+  beta.note = std::string("sec\0nd", 6);
+  {
+    const DdsTeam two(0, beta);
+    CHECK(within(20.0, [&] { return one.others().size() == 1 && two.others().size() == 1; }));
+    CHECK(one.others() == std::vector<std::string>{beta.note});
+    CHECK(two.others() == std::vector<std::string>{"first"});
+  }
+  CHECK(within(20.0, [&] { return one.others().empty(); }));
+}
+TEST(bodies_tell_where_they_are_and_stay_where_they_were_last) {
+  const auto join = [](RobotId id) { return std::make_shared<DdsTeam>(id, team("bodies")); };
+  DdsBodies one(join(0));
+  {
+    DdsBodies two(join(1));
+    CHECK(within(20.0, [&] {
+      two.tell({{1.0, 2.0, 3.0}, 0.5});
+      return one.others().contains(1);
+    }));
+    two.tell({{1.0, 2.0, 4.0}, 0.25});
+    CHECK(within(10.0, [&] { return one.others().at(1).position.z() == 4.0; }));
+    CHECK(two.others().empty());
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK(one.others().at(1).position == Point3(1.0, 2.0, 4.0) && one.others().at(1).yaw == 0.25);
+  CHECK(one.others().size() == 1);
+}
 TEST(dds_options_that_cannot_be_are_refused) {
   CHECK_THROWS(Error, DdsTransport(64, team("x")));
   CHECK_THROWS(Error, DdsTransport(0, {.team = "a/b"}));
   CHECK_THROWS(Error, DdsTransport(0, {.team = ""}));
   CHECK_THROWS(Error, dds_configuration({.peers = {"\"/><x"}}));
+  CHECK_THROWS(Error, dds_configuration({.peers = {}}));
   CHECK_THROWS(Error, dds_configuration({.lease = -1.0}));
+  CHECK_THROWS(Error, dds_configuration({.lost_packets = 1.0}));
+  DdsOptions unkeyed = team("x");
+  unkeyed.security = "/nowhere";
+  CHECK_THROWS(Error, DdsTeam(0, unkeyed));
 }
 }  // namespace

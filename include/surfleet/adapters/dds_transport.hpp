@@ -12,61 +12,21 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include <surfleet/adapters/dds_team.hpp>
 #include <surfleet/core/error.hpp>
-#include <surfleet/core/parse_number.hpp>
 #include <surfleet/core/transport.hpp>
 #include <surfleet/fleet/packet.hpp>
 
 namespace surfleet {
-struct DdsOptions {
-  std::uint32_t domain = 0;
-  std::string team = "surfleet";                  ///< Letters, digits, _ and -.
-  std::vector<std::string> peers{"127.0.0.1"};    ///< Hosts that are asked for others.
-  double lease = 3.0;                             ///< Who is silent for so long is gone [s].
-  RobotId robots = 64;                            ///< Ids are below this.
-  std::size_t most_bytes = std::size_t{1} << 24;  ///< Of a message; longer ones are not read.
-};
-
-/// What Cyclone DDS is to be told: no multicast, those peers, room for 120 processes a host. Throws
-/// `Error` for a peer that is no host.
-inline std::string dds_configuration(const DdsOptions& options) {
-  const auto host = [](const std::string& name) {
-    return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-      return std::isalnum(c) != 0 || c == '.' || c == ':' || c == '-' || c == '_';
-    });
-  };
-  require(options.lease > 0.0 && std::isfinite(options.lease), "dds: expected a positive lease");
-  const bool local = std::all_of(options.peers.begin(), options.peers.end(), [](const auto& p) {
-    return p == "127.0.0.1" || p == "localhost";
-  });
-  std::string xml = "<CycloneDDS><Domain Id=\"any\"><General>";
-  if (local)
-    xml += "<Interfaces><NetworkInterface address=\"127.0.0.1\" multicast=\"false\"/></Interfaces>";
-  xml +=
-      "<AllowMulticast>false</AllowMulticast></General><Discovery>"
-      "<ParticipantIndex>auto</ParticipantIndex>"
-      "<MaxAutoParticipantIndex>119</MaxAutoParticipantIndex><Peers>";
-  for (const std::string& peer : options.peers) {
-    require(host(peer), "dds: peer \"" + peer + "\"; expected a host or an address");
-    xml += "<Peer address=\"" + peer + "\"/>";
-  }
-  return xml + "</Peers><LeaseDuration>" + std::to_string(options.lease) +
-         "s</LeaseDuration></Discovery></Domain></CycloneDDS>";
-}
-
 /// One robot's end of a team's network. Models `Transport` for that robot alone. A message counts
 /// only if it comes from the partition of the robot that it names as its sender.
 class DdsTransport {
@@ -79,49 +39,37 @@ class DdsTransport {
     std::uint64_t unreadable = 0;
   };
 
-  /// Throws `Error` if there is no network, or for options out of range. All transports of a
-  /// process share the configuration of the first of their domain.
-  DdsTransport(RobotId self, DdsOptions options) : self_(self), options_(std::move(options)) {
-    require(self < options_.robots, "dds: robot " + std::to_string(self) + "; expected one of " +
-                                        std::to_string(options_.robots));
-    const bool plain = !options_.team.empty() &&
-                       std::all_of(options_.team.begin(), options_.team.end(), [](unsigned char c) {
-                         return std::isalnum(c) != 0 || c == '_' || c == '-';
-                       });
-    require(plain, "dds: team \"" + options_.team + "\"; expected letters, digits, _ or -");
-    domain_ = shared_domain(options_);
-    participant_ =
-        checked(dds_create_participant(options_.domain, nullptr, nullptr), "participant");
-    const Qos all = partition(options_.team + "/robot/*");
-    const Qos own = partition(prefix() + std::to_string(self_));
+  /// Throws `Error` if there is no room for more.
+  explicit DdsTransport(std::shared_ptr<DdsTeam> team) : team_(std::move(team)) {
+    const dds_entity_t of = team_->participant();
+    const detail::DdsQos all = team_->all_partitions(kRoom), own = team_->own_partition(kRoom);
     const dds_entity_t subscriber =
-        checked(dds_create_subscriber(participant_, all.get(), nullptr), "subscriber");
+        detail::dds_checked(dds_create_subscriber(of, all.get(), nullptr), "subscriber");
     const dds_entity_t publisher =
-        checked(dds_create_publisher(participant_, own.get(), nullptr), "publisher");
+        detail::dds_checked(dds_create_publisher(of, own.get(), nullptr), "publisher");
     for (std::size_t k = 0; k < kMessageKinds; ++k) {
-      const Qos qos = quality(static_cast<MessageKind>(k));
-      const dds_entity_t topic =
-          checked(dds_create_topic(participant_, &surfleet_dds_FleetMessage_desc, kTopics[k],
-                                   qos.get(), nullptr),
-                  "topic");
-      readers_[k] = checked(dds_create_reader(subscriber, topic, qos.get(), nullptr), "reader");
-      writers_[k] = checked(dds_create_writer(publisher, topic, qos.get(), nullptr), "writer");
+      const detail::DdsQos qos = quality(static_cast<MessageKind>(k));
+      const dds_entity_t topic = detail::dds_checked(
+          dds_create_topic(of, &surfleet_dds_FleetMessage_desc, kTopics[k], qos.get(), nullptr),
+          "topic");
+      readers_[k] =
+          detail::dds_checked(dds_create_reader(subscriber, topic, qos.get(), nullptr), "reader");
+      writers_[k] =
+          detail::dds_checked(dds_create_writer(publisher, topic, qos.get(), nullptr), "writer");
     }
   }
-  ~DdsTransport() {
-    if (participant_ > 0) dds_delete(participant_);
-  }
-  DdsTransport(const DdsTransport&) = delete;
-  DdsTransport& operator=(const DdsTransport&) = delete;
+  /// A robot's place in its team and this end of its network at once; throws as both do.
+  DdsTransport(RobotId self, DdsOptions options)
+      : DdsTransport(std::make_shared<DdsTeam>(self, std::move(options))) {}
 
   /// Throws `Error` for a sender that is not this robot.
   void send(Message<Packet> message) {
-    require(message.from == self_, "dds: a robot speaks for itself alone");
+    require(message.from == team_->self(), "dds: a robot speaks for itself alone");
     const auto k = static_cast<std::size_t>(message.payload.kind);
     const std::size_t size = byte_size(message.payload);
     surfleet_dds_FleetMessage m{};
-    m.sender = self_;
-    m.receiver = message.to.value_or(self_);
+    m.sender = team_->self();
+    m.receiver = message.to.value_or(team_->self());
     m.number = sent_[k]++;
     m.time = message.time;
     m.bytes._length = m.bytes._maximum = static_cast<std::uint32_t>(size);
@@ -134,7 +82,7 @@ class DdsTransport {
   }
   /// Throws `Error` for another robot than this.
   std::vector<Message<Packet>> receive(RobotId robot) {
-    require(robot == self_, "dds: a robot hears for itself alone");
+    require(robot == team_->self(), "dds: a robot hears for itself alone");
     std::vector<Message<Packet>> arrived;
     for (std::size_t k = 0; k < kMessageKinds; ++k) take(static_cast<MessageKind>(k), arrived);
     std::stable_sort(
@@ -154,21 +102,13 @@ class DdsTransport {
  private:
   static constexpr std::array<const char*, kMessageKinds> kTopics{
       "surfleet_state", "surfleet_route", "surfleet_digest", "surfleet_request", "surfleet_patch"};
+  static constexpr const char* kRoom = "robot";
   static constexpr std::uint32_t kKeptPatches = 16;
 
-  struct QosDeleter {
-    void operator()(dds_qos_t* q) const { dds_delete_qos(q); }
-  };
-  using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
-
-  static dds_entity_t checked(dds_entity_t entity, const char* what) {
-    require(entity >= 0, std::string("dds: no ") + what + ": " + dds_strretcode(-entity));
-    return entity;
-  }
   /// States are worth only their newest, digests reach who comes late, patches come once: who was
   /// away asks for them.
-  static Qos quality(MessageKind kind) {
-    Qos qos(dds_create_qos());
+  static detail::DdsQos quality(MessageKind kind) {
+    detail::DdsQos qos(dds_create_qos());
     const bool state = kind == MessageKind::state, digest = kind == MessageKind::digest;
     dds_qset_reliability(qos.get(), state ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE,
                          DDS_MSECS(100));
@@ -179,29 +119,6 @@ class DdsTransport {
     dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
     return qos;
   }
-  static Qos partition(const std::string& name) {
-    Qos qos(dds_create_qos());
-    const char* names[] = {name.c_str()};
-    dds_qset_partition(qos.get(), 1, names);
-    return qos;
-  }
-  /// The domain with its configuration, for as long as anybody uses it.
-  static std::shared_ptr<dds_entity_t> shared_domain(const DdsOptions& options) {
-    static std::mutex mutex;
-    static std::map<std::uint32_t, std::weak_ptr<dds_entity_t>> domains;
-    const std::lock_guard lock(mutex);
-    if (auto known = domains[options.domain].lock()) return known;
-    const dds_entity_t made =
-        checked(dds_create_domain(options.domain, dds_configuration(options).c_str()), "domain");
-    std::shared_ptr<dds_entity_t> domain(new dds_entity_t(made), [](const dds_entity_t* d) {
-      dds_delete(*d);
-      delete d;
-    });
-    domains[options.domain] = domain;
-    return domain;
-  }
-  std::string prefix() const { return options_.team + "/robot/"; }
-
   void take(MessageKind kind, std::vector<Message<Packet>>& arrived) {
     constexpr std::size_t kAtOnce = 32;
     const dds_entity_t reader = readers_[static_cast<std::size_t>(kind)];
@@ -220,55 +137,30 @@ class DdsTransport {
   }
   void read(MessageKind kind, dds_entity_t reader, const dds_sample_info_t& info,
             const surfleet_dds_FleetMessage& m, std::vector<Message<Packet>>& arrived) {
-    if (m.sender >= options_.robots || m.bytes._length > options_.most_bytes ||
+    if (m.sender >= team_->options().robots || m.bytes._length > team_->options().most_bytes ||
         !std::isfinite(m.time)) {
       ++counts_.unreadable;
       return;
     }
-    if (m.sender == self_ || m.sender != robot_of(reader, info.publication_handle)) {
+    if (m.sender == team_->self() ||
+        m.sender != team_->robot_of(reader, info.publication_handle, kRoom)) {
       ++counts_.impostors;
       return;
     }
-    if (m.receiver != m.sender && m.receiver != self_) return;
+    if (m.receiver != m.sender && m.receiver != team_->self()) return;
     const auto* first = reinterpret_cast<const std::byte*>(m.bytes._buffer);
     Message<Packet> message;
     message.time = m.time;
     message.from = m.sender;
     message.sequence = m.number;
-    if (m.receiver != m.sender) message.to = self_;
+    if (m.receiver != m.sender) message.to = team_->self();
     message.payload = {kind, std::make_shared<const Bytes>(first, first + m.bytes._length)};
     arrived.push_back(std::move(message));
     ++counts_.received;
   }
-  /// The robot whose partition a writer writes to; nothing for none of our team.
-  std::optional<RobotId> robot_of(dds_entity_t reader, dds_instance_handle_t writer) {
-    if (const auto known = writer_robots_.find(writer); known != writer_robots_.end())
-      return known->second;
-    std::optional<RobotId> robot;
-    if (dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader, writer)) {
-      std::uint32_t count = 0;
-      char** names = nullptr;
-      if (dds_qget_partition(endpoint->qos, &count, &names)) {
-        if (count == 1 && std::string(names[0]).starts_with(prefix()))
-          if (const auto id =
-                  parse_number<std::uint32_t>(std::string(names[0]).substr(prefix().size())))
-            robot = *id;
-        for (std::uint32_t i = 0; i < count; ++i) dds_free(names[i]);
-        dds_free(names);
-      }
-      dds_builtintopic_free_endpoint(endpoint);
-      writer_robots_[writer] = robot;
-    }
-    return robot;
-  }
-
-  RobotId self_;
-  DdsOptions options_;
-  std::shared_ptr<dds_entity_t> domain_;
-  dds_entity_t participant_ = 0;
+  std::shared_ptr<DdsTeam> team_;
   std::array<dds_entity_t, kMessageKinds> readers_{}, writers_{};
   std::array<std::uint32_t, kMessageKinds> sent_{};
-  std::map<dds_instance_handle_t, std::optional<RobotId>> writer_robots_;
   Counts counts_;
 };
 static_assert(Transport<DdsTransport>);

@@ -13,6 +13,9 @@ struct NewsHead;
 struct Packet;
 class PatchIdSet;
 struct PatchSyncOptions;
+struct TeamAgreement;
+class TeamEnd;
+struct TeamEndOptions;
 class TeamRelay;
 struct TeamRelayOptions;
 }  // namespace surfleet
