@@ -5,7 +5,7 @@
 set -euo pipefail
 
 run=(g++ cmake ninja-build libeigen3-dev libfcl-dev libccd-dev libembree-dev
-     libpng-dev libzstd-dev cyclonedds-dev cyclonedds-tools libcli11-dev nlohmann-json3-dev)
+     libpng-dev libzstd-dev cyclonedds-dev cyclonedds-tools openssl libcli11-dev nlohmann-json3-dev)
 check=("${run[@]}" libbenchmark-dev liboctomap-dev libopencv-calib3d-dev libompl-dev libboost-serialization-dev
        libboost-filesystem-dev libboost-system-dev libboost-program-options-dev)
 ci=("${check[@]}" clang-14 libclang-rt-14-dev clang-format-14 git)

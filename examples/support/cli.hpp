@@ -194,7 +194,11 @@ inline std::filesystem::path prepare_output_folder(const std::filesystem::path& 
   for (auto it = missing.rbegin(); it != missing.rend() && !failure; ++it)
     fs::create_directory(*it, failure);
   const fs::path probe = path / (".surfleet-probe-" + std::to_string(::getpid()));
-  const bool writable = !failure && std::ofstream(probe).put('\n').good();
+  const auto has_room = [&] {
+    std::ofstream file(probe);
+    return file.put('\n').flush().good();
+  };
+  const bool writable = !failure && has_room();
   fs::remove(probe, ec);
   if (!writable) {
     undo();

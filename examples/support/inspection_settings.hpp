@@ -108,8 +108,9 @@ struct InspectionSettings : MissionPreset {
 };
 
 /// What a program runs with these settings: one inspection, many of several planners and fleets,
-/// for which it has options of its own, or a tour of what is known, without all that finds out.
-enum class InspectionProgram { mission, trials, tour };
+/// for which it has options of its own, a tour of what is known, without all that finds out, or one
+/// robot of a distributed fleet.
+enum class InspectionProgram { mission, trials, tour, agent };
 
 /// Declares the options that inspections share. The preset is applied before what is given by name
 /// overrides it: call `settle` after parsing.
@@ -124,6 +125,12 @@ class InspectionOptions {
     // A mission that is cut short says nothing beside others, and one drone alone takes long.
     if (program == InspectionProgram::trials) settings.max_time = 14000.0;
     const bool explores = program != InspectionProgram::tour;
+    const bool agent = program == InspectionProgram::agent;
+    const bool flies = agent || program == InspectionProgram::mission;
+    if (agent) {
+      settings.architecture = "distributed";
+      settings.threads = 1;
+    }
     app.begin_group("Scene and task");
     app.add("--scene", settings.scene,
             "powerplant, statue, house, random:KIND:SEED with KIND " + random_scene_kinds() +
@@ -146,18 +153,24 @@ class InspectionOptions {
         "leaves unseen: (radius + margin + voxel) / sin(half the vertical field of view, less the "
         "pitch) + 1.5 voxels");
     app.begin_group("Robots");
-    if (program == InspectionProgram::mission) {
-      app.add("--robots", settings.robots, "number of drones");
+    if (flies) {
+      app.add("--robots", settings.robots,
+              agent ? "of the team, at the most; each has a starting place" : "number of drones");
       app.add("--planner", settings.planner, "one of " + planner_list());
+    }
+    if (program == InspectionProgram::mission)
       app.add("--architecture", settings.architecture,
               "single, centralized (one map, one planner) or distributed (each robot has its own)");
+    if (flies)
       app.add("--network", settings.network,
               "of a distributed fleet: perfect, wifi (2 % loss, 20 ms, 20 Mbit/s), poor (30 %, 500 "
               "+- 200 ms, 1 Mbit/s), or a file with loss, latency, jitter [s], bandwidth [bit/s], "
               "range [m], partition, cut");
+    if (program == InspectionProgram::mission)
       app.add("--events", settings.events,
               "file of what befalls robots of a distributed fleet: killed = [\"2 at 120\"], "
               "vanished");
+    if (flies) {
       app.add("--patch-images", settings.patch_images, "in a patch of a distributed fleet's map");
       app.add("--wait-for-team", settings.wait_for_team,
               "for robots of a distributed fleet that are no longer heard [s]");
@@ -171,11 +184,12 @@ class InspectionOptions {
       app.add("--unknown-margin", settings.unknown_margin,
               "the same from what is unknown [m]; as a rule a voxel");
     }
-    if (program == InspectionProgram::mission) {
+    if (flies)
       app.add("--neighbours", settings.neighbours,
               "how drones see one another: exactly, by markers that they carry (6-D localisation "
               "by fish-eye cameras), or not at all")
           .one_of({"exact", "markers", "none"});
+    if (program == InspectionProgram::mission) {
       app.add("--announcements", announcements_,
               "on, or off: drones do not tell where they go, and keep apart by sight alone");
     }
@@ -222,11 +236,13 @@ class InspectionOptions {
     if (explores) {
       app.begin_group("End of the mission");
       app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
-      app.add("--least-gain", settings.end.least_gain,
-              "a drone flies home when its route shows less new surface for a metre flown [m^2/m]; "
-              "default 0: when there is nothing left to do");
-      app.add("--coverage-goal", settings.end.coverage_goal,
-              "all fly home at this share by the mission's own account, 0 to 1");
+      if (!agent) {
+        app.add("--least-gain", settings.end.least_gain,
+                "a drone flies home when its route shows less new surface for a metre flown "
+                "[m^2/m]; default 0: when there is nothing left to do");
+        app.add("--coverage-goal", settings.end.coverage_goal,
+                "all fly home at this share by the mission's own account, 0 to 1");
+      }
       app.add("--endurance-m", settings.end.endurance.distance,
               "a drone is back at its start before it has flown so far [m]");
       app.add("--endurance-s", settings.end.endurance.time,

@@ -136,3 +136,13 @@ TEST(two_judges_agree_or_say_so) {
   CHECK(broken.disagreements() == 1 && std::isinf(broken.largest_disagreement()));
   CHECK_THROWS(Error, AgreeingJudges(true_one, low, 0.0));
 }
+TEST(a_robot_that_comes_from_nowhere_has_flown_no_line) {
+  constexpr double kNone = JudgeReport::kNone;
+  const Bvh post(make_cylinder({0, 0, -5}, {0, 0, 5}, 0.2, 64));
+  const Point3 gone = Point3::Constant(kNone);
+  const std::vector<std::vector<Point3>> set_down{{{-10, 0, 0}, gone, {10, 0, 0}, {10, 0, 0}},
+                                                  {gone, gone, {4, 0, 0}, {9, 0, 0}}};
+  const JudgeReport report = judge_paths(post, set_down, 1.0);
+  CHECK(report.collisions_with_scene == 0 && report.collisions_of_robots == 1);
+  CHECK_NEAR(report.min_clearance_m, 2.8, 1e-2);
+}

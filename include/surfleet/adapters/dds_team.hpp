@@ -21,12 +21,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -39,7 +40,7 @@
 
 namespace surfleet {
 struct DdsOptions {
-  std::uint32_t domain = 0;                       ///< 0 to 232.
+  std::uint32_t domain = 0;                       ///< 0 to 230.
   std::string team = "surfleet";                  ///< Letters, digits, _ and -.
   std::vector<std::string> peers{"127.0.0.1"};    ///< Hosts that are asked for others.
   double lease = 3.0;                             ///< Who is silent for so long is gone [s].
@@ -150,7 +151,7 @@ class DdsTeam {
   DdsTeam(RobotId self, DdsOptions options) : self_(self), options_(std::move(options)) {
     require(self < options_.robots, "dds: robot " + std::to_string(self + 1) +
                                         "; expected one of " + std::to_string(options_.robots));
-    require(options_.domain <= 232, "dds: expected a domain of 0 to 232");
+    require(options_.domain <= 230, "dds: expected a domain of 0 to 230");
     const bool plain = !options_.team.empty() &&
                        std::all_of(options_.team.begin(), options_.team.end(), [](unsigned char c) {
                          return std::isalnum(c) != 0 || c == '_' || c == '-';
@@ -165,6 +166,10 @@ class DdsTeam {
     present_ = detail::dds_checked(
         dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
         "reader of participants");
+    if (!options_.security.empty())
+      writing_ = detail::dds_checked(
+          dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+          "reader of writers");
   }
   ~DdsTeam() { dds_delete(participant_); }
   DdsTeam(const DdsTeam&) = delete;
@@ -174,28 +179,25 @@ class DdsTeam {
   const DdsOptions& options() const { return options_; }
   dds_entity_t participant() const { return participant_; }
 
-  /// The notes of all others in the domain that are there now, of whatever team.
+  /// The notes of all others in the domain that are there now, of whatever team; with keys, of
+  /// those alone that have proved who they are and write something.
   std::vector<std::string> others() const {
     dds_guid_t own{};
     dds_get_guid(participant_, &own);
+    std::set<Guid> proved;
+    if (writing_ > 0)
+      each_present<dds_builtintopic_endpoint_t>(
+          writing_, [&](const auto& writer) { proved.insert(guid(writer.participant_key)); });
     std::vector<std::string> notes;
-    constexpr std::size_t kMost = 256;
-    std::array<void*, kMost> samples{};
-    std::array<dds_sample_info_t, kMost> infos{};
-    const dds_return_t n =
-        dds_read_mask(present_, samples.data(), infos.data(), kMost, kMost,
-                      DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE);
-    if (n <= 0) return notes;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-      const auto& p = *static_cast<const dds_builtintopic_participant_t*>(samples[i]);
-      if (!infos[i].valid_data || std::memcmp(p.key.v, own.v, sizeof own.v) == 0) continue;
+    each_present<dds_builtintopic_participant_t>(present_, [&](const auto& other) {
+      if (guid(other.key) == guid(own) || (writing_ > 0 && !proved.contains(guid(other.key))))
+        return;
       void* data = nullptr;
       std::size_t size = 0;
-      if (!dds_qget_userdata(p.qos, &data, &size)) continue;
+      if (!dds_qget_userdata(other.qos, &data, &size)) return;
       notes.emplace_back(static_cast<const char*>(data), size);
       dds_free(data);
-    }
-    dds_return_loan(present_, samples.data(), n);
+    });
     return notes;
   }
 
@@ -230,6 +232,26 @@ class DdsTeam {
   }
 
  private:
+  using Guid = std::array<std::uint8_t, sizeof(dds_guid_t)>;
+  static Guid guid(const dds_guid_t& g) {
+    Guid bytes;
+    std::copy(std::begin(g.v), std::end(g.v), bytes.begin());
+    return bytes;
+  }
+  /// What a reader of the library's own topics says of all that are there.
+  template <typename Topic, typename Use>
+  static void each_present(dds_entity_t reader, const Use& use) {
+    constexpr std::size_t kMost = 1024;
+    std::vector<void*> samples(kMost, nullptr);  // null: lent by the reader
+    std::vector<dds_sample_info_t> infos(kMost);
+    const dds_return_t n =
+        dds_read_mask(reader, samples.data(), infos.data(), kMost, kMost,
+                      DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE);
+    if (n <= 0) return;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
+      if (infos[i].valid_data) use(*static_cast<const Topic*>(samples[i]));
+    dds_return_loan(reader, samples.data(), n);
+  }
   std::string prefix(const std::string& room) const { return options_.team + "/" + room + "/"; }
   static detail::DdsQos partition(const std::string& name) {
     detail::DdsQos qos(dds_create_qos());
@@ -283,7 +305,7 @@ class DdsTeam {
   RobotId self_;
   DdsOptions options_;
   std::shared_ptr<dds_entity_t> domain_;
-  dds_entity_t participant_ = 0, present_ = 0;
+  dds_entity_t participant_ = 0, present_ = 0, writing_ = 0;
   std::map<dds_instance_handle_t, std::optional<RobotId>> writer_robots_;
 };
 }  // namespace surfleet

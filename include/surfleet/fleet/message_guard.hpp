@@ -12,6 +12,8 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include <surfleet/fleet/packet.hpp>
 
@@ -70,6 +72,10 @@ struct MessageGuardOptions {
 /// Why a message is not read.
 enum class MessageDrop : std::uint8_t { malformed, foreign, replayed, flood, outdated };
 inline constexpr std::size_t kMessageDrops = 5;
+inline std::string_view name_of(MessageDrop why) {
+  constexpr std::string_view kNames[] = {"malformed", "foreign", "replayed", "flood", "outdated"};
+  return kNames[static_cast<std::size_t>(why)];
+}
 
 /// Opens packets. A robot that was started again has a higher incarnation and counts its messages
 /// anew; what its earlier self sent comes too late.

@@ -51,7 +51,8 @@ class Judge {
   }
 
   /// The robots' positions now, always for the same fleet in the same order; not finite for one
-  /// that is gone. O(robots²) and a few distance queries a robot.
+  /// that is gone, or not there yet: it comes from nowhere. O(robots²) and a few distance queries a
+  /// robot.
   void observe(std::span<const Point3> positions) {
     const std::size_t n = positions.size();
     if (last_.empty()) {
@@ -62,6 +63,7 @@ class Judge {
     require(last_.size() == n, "judge: expected the same fleet as before");
     for (std::size_t i = 0; i < n; ++i) {
       if (!positions[i].allFinite()) continue;
+      if (!last_[i].allFinite()) last_[i] = positions[i];
       const double at_end = distance_->distance(positions[i]);
       const double least = least_distance(last_[i], positions[i], at_end);
       report_.min_distance_m = std::min(report_.min_distance_m, least);

@@ -1,0 +1,86 @@
+#!/usr/bin/env bash
+# Robots as processes of their own: equal maps in the end, also when one is killed and started again; keys; what is
+# refused.
+set -eu
+. "$(dirname "$0")/support.sh"
+domain=$((1 + $$ % 200))
+common=(--scene house --seed 3 --wait-for-team 60 --quiet)
+agent=("$bin/fleet_agent" "${common[@]}" --robots 2 --domain "$domain" --team "t$$")
+# until SECONDS COMMAND...: waits for it to be true.
+until_true() {
+  local tries=$((10 * $1))
+  shift
+  for _ in $(seq "$tries"); do
+    "$@" && return 0
+    sleep 0.1
+  done
+  return 1
+}
+lines() { [ -e "$1" ] && [ "$(wc -l <"$1")" -ge "$2" ]; }
+
+# -- what is refused --------------------------------------------------------------------------------
+refuse_any() { refused fleet_agent "${common[@]}" --out out "$@"; }
+refuse() { refuse_any --robots 2 --domain $domain --team "t$$" "$@"; }
+refuse
+refuse --id 0
+refuse --id 3
+refuse_any --id 1 --team 'a/b' --domain $domain
+refuse_any --id 1 --domain 999
+refuse --id 1 --peers 'not a host'
+refuse --id 1 --speed-up 0
+refuse --id 1 --architecture single
+refuse --id 1 --security nowhere
+refuse --id 1 --network nowhere
+refuse --collect nowhere
+refused fleet_agent "${common[@]}" --domain $domain --id 1 --join 0 --out /proc/out
+
+# -- keys: who has none, wrong ones or expired ones is not of the team ------------------------------
+"$bin/make_fleet_keys" keys "t$$" 2
+"$bin/make_fleet_keys" old "t$$" 2 -1
+refuse --id 1 --join 0 --security old
+grep -q expired stderr.txt || fail "$(cat stderr.txt)"
+"$bin/make_fleet_keys" others other 2
+cp -r keys foreign
+cp -r keys/robot_2/. foreign/robot_1 # one robot's keys do not speak for another
+refuse --id 1 --join 0 --security foreign
+
+# -- two robots with keys, one of which is killed and started again ---------------------------------
+"${agent[@]}" --speed-up 4 --join 60 --security keys --id 1 --out 1 >1.txt &
+one=$!
+"${agent[@]}" --speed-up 4 --join 60 --security keys --id 2 --out 2 >2.txt &
+two=$!
+trap 'kill -9 $(jobs -pr) 2>/dev/null || true; rm -rf "$work"' EXIT
+until_true 120 lines 1/trajectory.tum 20 && until_true 120 lines 2/trajectory.tum 20 || fail "they do not fly"
+# While they fly: whom they would not fly with. Without keys nobody is heard, so these say them, too.
+refuse --join 60 --security keys --id 1
+grep -q 'alive elsewhere' stderr.txt || fail "$(cat stderr.txt)"
+refuse --join 60 --security keys --id 2 --voxel 0.4
+refuse_any --robots 2 --domain $domain --join 60 --id 2 --team other --security others
+kill -9 $two
+wait $two 2>/dev/null || true
+[ ! -e 2/metrics.json ] && [ -e 2/agent.json ]
+"${agent[@]}" --speed-up 4 --join 60 --security keys --id 2 --out 2 >2.txt &
+two=$!
+wait $one || fail "robot 1: $(cat 1.txt)"
+wait $two || fail "robot 2: $(cat 2.txt)"
+[ -e 2/trajectory_before_1.tum ]
+"${agent[@]}" --collect 1 2 --out team >team.txt || fail "$(cat team.txt)"
+[ "$(value team complete)" = true ] && [ "$(value team maps_equal)" = true ] || fail "$(cat team.txt)"
+[ "$(value team collisions)" = 0 ] || fail "$(cat team.txt)"
+[ "$(value 1 patches_digest)" = "$(value 2 patches_digest)" ]
+[ "$(value 1 secured)" = true ] && [ "$(value 1 bytes_sent)" -gt 0 ]
+awk -v c="$(value team surface_coverage)" 'BEGIN { exit !(c > 0.95) }'
+[ -s team/report.html ] && [ -s 1/reconstruction.ply ]
+
+# -- who stays away is named, and who is ended writes what it has -----------------------------------
+"$bin/fleet_agent" "${common[@]}" --robots 3 --domain $domain --id 3 --join 0 --out 3 >3.txt &
+two=$!
+until_true 120 lines 3/trajectory.tum 5 || fail "it does not fly"
+kill -TERM $two
+status=0
+wait $two || status=$?
+[ $status = 3 ] && [ "$(value 3 stop_reason)" = '"ended"' ] && [ -e 3/map.sfm ] || fail "status $status: $(cat 3.txt)"
+# Folders of different missions are not put together.
+refuse_any --robots 2 --collect 1 3
+refuse_any --robots 3 --collect 1 2
+refuse --voxel 0.4 --collect 1 2
