@@ -331,9 +331,9 @@ int fly(const Arguments& a) {
                             .note = agreed.note(),
                             .security = a.security,
                             .lost_packets = a.lost_packets});
+  FlyingAgent agent(a, site, inputs, team, agreed);  // with keys, who writes nothing is not found
   cli::watch_interrupts();
   const std::optional<double> found = meet(*team, agreed, a.join);
-  FlyingAgent agent(a, site, inputs, team, agreed);
   const auto out = cli::prepare_output_folder(a.out);
   TrajectoryLog path(out);
   write_file(out / "agent.json", nlohmann::json{{"id", a.id},

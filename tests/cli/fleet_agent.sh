@@ -70,6 +70,7 @@ wait $two || fail "robot 2: $(cat 2.txt)"
 "${agent[@]}" --collect 1 2 --out team >team.txt || fail "$(cat team.txt)"
 [ "$(value team complete)" = true ] && [ "$(value team maps_equal)" = true ] || fail "$(cat team.txt)"
 [ "$(value team collisions)" = 0 ] || fail "$(cat team.txt)"
+[ "$(value 1 found_team_s)" != null ] || fail "robots with keys do not find each other"
 [ "$(value 1 patches_digest)" = "$(value 2 patches_digest)" ]
 [ "$(value 1 secured)" = true ] && [ "$(value 1 impostor)" = 0 ] && [ "$(value 1 bytes_sent)" -gt 0 ]
 awk -v c="$(value team surface_coverage)" 'BEGIN { exit !(c > 0.95) }'
