@@ -4,7 +4,7 @@
 set -eu
 . "$(dirname "$0")/support.sh"
 domain=$((1 + $$ % 200))
-common=(--scene house --seed 3 --wait-for-team 60 --quiet)
+common=(--scene house --seed 3 --wait-for-team 400 --quiet)
 agent=("$bin/fleet_agent" "${common[@]}" --robots 2 --domain "$domain" --team "t$$")
 # until SECONDS COMMAND...: waits for it to be true.
 until_true() {
@@ -45,9 +45,9 @@ cp -r keys/robot_2/. foreign/robot_1 # one robot's keys do not speak for another
 refuse --id 1 --join 0 --security foreign
 
 # -- two robots with keys, one of which is killed and started again ---------------------------------
-"${agent[@]}" --speed-up 4 --join 60 --security keys --id 1 --out 1 >1.txt &
+"${agent[@]}" --speed-up 3 --join 60 --security keys --id 1 --out 1 >1.txt &
 one=$!
-"${agent[@]}" --speed-up 4 --join 60 --security keys --id 2 --out 2 >2.txt &
+"${agent[@]}" --speed-up 3 --join 60 --security keys --id 2 --out 2 >2.txt &
 two=$!
 trap 'kill -9 $(jobs -pr) 2>/dev/null || true; rm -rf "$work"' EXIT
 until_true 120 lines 1/trajectory.tum 20 && until_true 120 lines 2/trajectory.tum 20 || fail "they do not fly"
@@ -62,7 +62,7 @@ status=0
 kill -9 $two
 wait $two 2>/dev/null || true
 [ ! -e 2/metrics.json ] && [ -e 2/agent.json ]
-"${agent[@]}" --speed-up 4 --join 60 --security keys --id 2 --out 2 >2.txt &
+"${agent[@]}" --speed-up 3 --join 60 --security keys --id 2 --out 2 >2.txt &
 two=$!
 wait $one || fail "robot 1: $(cat 1.txt)"
 wait $two || fail "robot 2: $(cat 2.txt)"
