@@ -41,12 +41,12 @@ struct SaidRobot {
   bool finished(double now) const {
     if (!done || lacks > 0) return false;
     for (const RobotState& mate : mates(now, 30.0))
-      if (!mate.idle || digest_of(mate.id, now) != held) return false;
+      if (!mate.done || digest_of(mate.id, now) != held) return false;
     return true;
   }
   void mate(RobotId id, bool idle, double age, std::optional<std::uint64_t> digest) {
     mates_heard[id].id = id;
-    mates_heard[id].idle = idle;
+    mates_heard[id].done = idle;
     mates_heard[id].age = age;
     digests.erase(id);
     if (digest) digests[id] = *digest;

@@ -105,7 +105,9 @@ class DistributedAgent {
     for (const RobotState& mate : recent_) agent_.hear(swollen(mate));
     belief_.goals();
     agent_.move(now);
-    relay_.set_own(agent_.state(now));
+    RobotState own = agent_.state(now);
+    own.done = is_done() || (agent_.stop_reason() && agent_.at_rest());
+    relay_.set_own(std::move(own));
     std::vector<Message<Packet>> out;
     const auto tell = [&](const std::vector<Outgoing>& list) {
       for (const Outgoing& o : list)
@@ -132,7 +134,7 @@ class DistributedAgent {
     if (!is_done() || sync_.missing() > 0) return false;
     return std::all_of(recent_.begin(), recent_.end(), [&](const RobotState& mate) {
       const auto theirs = sync_.digest_of(mate.id, now);
-      return mate.idle && theirs && *theirs == sync_.digest();
+      return mate.done && theirs && *theirs == sync_.digest();
     });
   }
 

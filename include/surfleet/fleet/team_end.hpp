@@ -36,7 +36,7 @@ class TeamEnd {
       bool& well = ended_well_.try_emplace(mate.id, false).first->second;
       if (mate.age > options_.silence) continue;
       const auto theirs = robot.patches().digest_of(mate.id, now);
-      if (!mate.idle)
+      if (!mate.done)
         well = false;
       else if (theirs)
         well = *theirs == digest;

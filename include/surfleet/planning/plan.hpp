@@ -36,6 +36,7 @@ struct RobotState {
   std::vector<Point3> ahead{};  ///< The path it is on, from where it is.
   Stops route{};                ///< What it still has to do.
   bool idle = true;             ///< It has nothing to do.
+  bool done = false;            ///< Nor has its map, as far as it knows, anything left for anybody.
   double age = 0.0;             ///< Of this news [s].
   // In traffic, see `TrafficAgent`:
   bool held = false, cornered = false, first = false;
