@@ -34,8 +34,7 @@ struct AgentOptions {
   double max_dwell = 10.0;     ///< Longest stay at a stop [s].
   bool watchful = true;        ///< On the way, turn to what there is to see.
   double utility_share = 0.2;  ///< Share of a route's elements whose completion asks for a new
-                               ///< plan, unless the planner says another: 1 - c_thres, as
-                               ///< `UtilityCheck` reads it.
+                               ///< plan, unless the planner says another: c_thres.
   EnduranceLimits endurance{};
 };
 

@@ -113,7 +113,6 @@ class RollingTours {
   /// Routes for those who are asked for and have none yet.
   void plan_within(const Search& search, const SurfaceSituation& s, const SightTargets<>& targets,
                    Lattice& lattice, Plan& plan) {
-    LatticeViews views(targets, lattice, s.space().headings, vain_, options.unknown_gain);
     std::vector<Waiting> waiting;
     std::vector<const Stops*> under_way;
     for (const RobotState& robot : s.team) {
@@ -123,15 +122,17 @@ class RollingTours {
         const Point3 start = s.space().free.free_start(robot.at.position);
         waiting.push_back({robot.id, start, s.space().roadmap.reach_from(start)});
       } else if (!route.empty()) {
-        for (const Stop& stop : route) views.mark(stop.configuration);
         under_way.push_back(&route);
       }
     }
     if (waiting.empty()) return;
-    const Sites sites = find_sites(search, s, lattice, waiting, views);
+    LatticeViews views(targets, lattice, s.space().headings, vain_, options.unknown_gain);
+    for (const Stops* route : under_way)
+      for (const Stop& stop : *route) views.mark(stop.configuration);
+    Sites sites = find_sites(search, s, lattice, waiting, views);
     std::vector<TourStart> starts;
     for (std::size_t w = 0; w < waiting.size(); ++w) {
-      starts.push_back({s.robot(waiting[w].id).at, sites.distances[w], options.stops});
+      starts.push_back({s.robot(waiting[w].id).at, std::move(sites.distances[w]), options.stops});
       if (const auto goal = goals_.find(waiting[w].id); goal != goals_.end())
         if (const auto it = sites.by_node.find(goal->second); it != sites.by_node.end())
           starts.back().goal = it->second;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/geometry/triangle_queries.hpp>
 #include <surfleet/surface/quadric_patch.hpp>
 
 namespace surfleet {
@@ -97,12 +98,10 @@ inline PatchDrive drive_over_patches(const PointCloud& cloud, const KdTree& tree
     at = best;
     drive.poses.push_back(*at);
     double off = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 1; i < waypoints.size(); ++i) {
-      const Eigen::Vector3d side = waypoints[i] - waypoints[i - 1],
-                            to = at->position - waypoints[i - 1];
-      const double s = std::clamp(to.dot(side) / std::max(side.squaredNorm(), 1e-300), 0.0, 1.0);
-      off = std::min(off, (to - s * side).norm());
-    }
+    for (std::size_t i = 1; i < waypoints.size(); ++i)
+      off = std::min(
+          off,
+          (at->position - closest_on_segment(at->position, waypoints[i - 1], waypoints[i])).norm());
     drive.off_path = std::max(drive.off_path, off);
   }
   drive.reached = (drive.poses.back().position - waypoints.back()).norm() <= options.tolerance;

@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
@@ -20,6 +19,7 @@
 #include <surfleet/geometry/cloud_filters.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
 #include <surfleet/geometry/point_cloud.hpp>
+#include <surfleet/mapping/voxel_grid.hpp>
 #include <surfleet/surface/quadric_patch.hpp>
 
 namespace surfleet {
@@ -76,7 +76,7 @@ class SparsePlanner {
            std::vector<double>(cloud_->size(), 0.0),
            std::vector<std::vector<std::int32_t>>(cloud_->size()),
            {},
-           Cells(longest_),
+           Cells({.voxel_size = longest_}),
            0};
     add(t, start, -1, 0.0);
     Random random(mix64(options_.seed) ^ 0x59a5eULL);
@@ -113,31 +113,15 @@ class SparsePlanner {
 
  private:
   /// The tree's nodes by cells of the longest edge.
-  struct Cells {
-    explicit Cells(double side) : side_(side) {}
-    static std::uint64_t key(const Eigen::Vector3d& cell) {
-      const auto part = [&](int k) {
-        return static_cast<std::uint64_t>(static_cast<std::int64_t>(cell[k]) & 0x1fffff);
-      };
-      return part(0) | part(1) << 21 | part(2) << 42;
-    }
-    void add(const Point3& p, std::int32_t i) {
-      cells_[key((p / side_).array().floor().matrix())].push_back(i);
-    }
-    template <typename Use>
-    void near(const Point3& p, const Use& use) const {
-      const Eigen::Vector3d base = (p / side_).array().floor().matrix();
-      for (int z = -1; z <= 1; ++z)
-        for (int y = -1; y <= 1; ++y)
-          for (int x = -1; x <= 1; ++x) {
-            const auto found = cells_.find(key(base + Eigen::Vector3d(x, y, z)));
-            if (found == cells_.end()) continue;
-            for (const std::int32_t i : found->second) use(i);
-          }
-    }
-    double side_;
-    std::unordered_map<std::uint64_t, std::vector<std::int32_t>> cells_;
-  };
+  using Cells = VoxelGrid<std::vector<std::int32_t>, 1>;
+  template <typename Use>
+  static void for_each_near(const Cells& cells, const Point3& p, const Use& use) {
+    const VoxelIndex home = cells.index_of(p);
+    for_each_index(home - VoxelIndex::Ones(), home + VoxelIndex::Ones(), [&](const VoxelIndex& c) {
+      if (const auto* nodes = cells.find(c))
+        for (const std::int32_t i : *nodes) use(i);
+    });
+  }
   struct Tree {
     std::vector<std::int32_t> parent;  // −1 at the root, −2 outside
     std::vector<double> cost;
@@ -155,7 +139,7 @@ class SparsePlanner {
     t.cost[at(i)] = cost;
     if (parent >= 0) t.children[at(parent)].push_back(i);
     t.nodes.push_back(i);
-    t.cells.add(point(i), i);
+    t.cells.ensure(t.cells.index_of(point(i))).push_back(i);
     ++t.count;
   }
   void extend(Tree& t, std::int32_t sample) const {
@@ -164,7 +148,7 @@ class SparsePlanner {
       // The tree's nearest node, then a cloud point a step from it towards the sample.
       std::int32_t nearest = -1;
       double least = longest_;
-      t.cells.near(point(sample), [&](std::int32_t i) {
+      for_each_near(t.cells, point(sample), [&](std::int32_t i) {
         const double d = (point(i) - point(sample)).norm();
         if (d < least || (d == least && i < nearest)) {
           least = d;
@@ -193,7 +177,7 @@ class SparsePlanner {
       std::int32_t index;
     };
     std::vector<Near> near;
-    t.cells.near(point(node), [&](std::int32_t i) {
+    for_each_near(t.cells, point(node), [&](std::int32_t i) {
       const double d = (point(i) - point(node)).norm();
       if (i != node && d <= radius) near.push_back({t.cost[at(i)] + d, d, i});
     });
