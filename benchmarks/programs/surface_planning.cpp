@@ -18,6 +18,7 @@
 #include <surfleet/core/random.hpp>
 #include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/evaluation/surface_sampling.hpp>
+#include <surfleet/geometry/mesh_borders.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
 #include <surfleet/surface/geodesic_strip.hpp>
 #include <surfleet/surface/single_strip.hpp>
@@ -40,40 +41,15 @@ SurfacePoint random_point(const TriangleMesh& mesh, Random& random) {
   return {static_cast<std::int32_t>(random.below(mesh.triangles.size())), w / w.sum()};
 }
 
-/// Vertices on each connected border, as many lists as there are borders.
-std::vector<std::vector<Point3>> borders(const TriangleMesh& mesh) {
-  const MeshAdjacency adjacency(mesh);
-  DisjointSets sets(mesh.vertices.size());
-  std::vector<std::int32_t> on;
-  for (const std::int32_t e : adjacency.boundary_edges()) {
-    const auto& v = adjacency.edges()[static_cast<std::size_t>(e)].vertices;
-    sets.unite(v[0], v[1]);
-    on.push_back(v[0]);
-    on.push_back(v[1]);
-  }
-  std::sort(on.begin(), on.end());
-  on.erase(std::unique(on.begin(), on.end()), on.end());
-  std::vector<std::vector<Point3>> parts;
-  std::vector<std::int32_t> number(mesh.vertices.size(), -1);
-  for (const std::int32_t v : on) {
-    auto& n = number[static_cast<std::size_t>(sets.find(v))];
-    if (n < 0) {
-      n = static_cast<std::int32_t>(parts.size());
-      parts.emplace_back();
-    }
-    parts[static_cast<std::size_t>(n)].push_back(mesh.vertices[static_cast<std::size_t>(v)]);
-  }
-  return parts;
-}
 /// Openings of the steam chest with a border all round them, within 10 cm.
-int openings(const std::vector<std::vector<Point3>>& parts) {
+int openings(const TriangleMesh& mesh, const std::vector<std::vector<std::int32_t>>& borders) {
   int open = 0;
   const auto count = [&](const Point3& at, const Eigen::Vector3d& axis, double radius) {
-    for (const auto& part : parts) {
+    for (const auto& border : borders) {
       std::vector<int> sectors(12, 0);
       const Eigen::Vector3d n = axis.normalized(), u = n.unitOrthogonal(), v = n.cross(u);
-      for (const Point3& p : part) {
-        const Eigen::Vector3d d = p - at;
+      for (const std::int32_t vertex : border) {
+        const Eigen::Vector3d d = mesh.vertices[static_cast<std::size_t>(vertex)] - at;
         if (std::abs(d.dot(n)) > 0.1 || std::abs(std::hypot(d.dot(u), d.dot(v)) - radius) > 0.1)
           continue;
         const double turn = (std::atan2(d.dot(v), d.dot(u)) + kPi) / (2.0 * kPi);
@@ -103,11 +79,11 @@ void reconstruction(const char* method, std::uint64_t first, int seeds) {
     s.seed = first + static_cast<std::uint64_t>(k);
     nlohmann::json metrics;
     const TriangleMesh mesh = scanned_surface_mesh(s, metrics);
-    const auto parts = borders(mesh);
+    const auto parts = mesh_borders(mesh);
     error.push_back(100.0 * metrics["reconstruction_error_mean_m"].get<double>());
     missing.push_back(100.0 * metrics["reconstruction_missing_p95_m"].get<double>());
     time.push_back(metrics["reconstruction_time_s"].get<double>());
-    open.push_back(openings(parts));
+    open.push_back(openings(mesh, parts));
     others.push_back(static_cast<double>(parts.size()) - open.back());
     nonmanifold.push_back(static_cast<double>(MeshAdjacency(mesh).non_manifold_edges().size()));
   }

@@ -2,6 +2,7 @@
 #include <surfleet/surface/moving_least_squares.hpp>
 
 #include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/mesh_borders.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
 #include <surfleet/simulation/rotating_lidar.hpp>
 #include <surfleet/surface/greedy_projection.hpp>
@@ -28,19 +29,6 @@ long euler_characteristic(const TriangleMesh& mesh) {
   return static_cast<long>(mesh.vertices.size()) -
          static_cast<long>(MeshAdjacency(mesh).edge_count()) +
          static_cast<long>(mesh.triangles.size());
-}
-std::size_t border_parts(const TriangleMesh& mesh) {
-  const MeshAdjacency adjacency(mesh);
-  DisjointSets sets(mesh.vertices.size());
-  std::vector<std::int32_t> ends;
-  for (const std::int32_t e : adjacency.boundary_edges()) {
-    const auto& v = adjacency.edges()[static_cast<std::size_t>(e)].vertices;
-    sets.unite(v[0], v[1]);
-    ends.push_back(v[0]);
-  }
-  for (std::int32_t& v : ends) v = static_cast<std::int32_t>(sets.find(v));
-  std::sort(ends.begin(), ends.end());
-  return static_cast<std::size_t>(std::unique(ends.begin(), ends.end()) - ends.begin());
 }
 bool runs_one_way(const TriangleMesh& mesh) {
   const MeshAdjacency adjacency(mesh);
@@ -108,7 +96,7 @@ TEST(scan_triangulation_goes_round_and_keeps_the_points) {
     CHECK(in_order(mesh.vertices) == in_order(scan.points));
     CHECK(mesh.triangles.size() == 2U * 90U * 45U);
     CHECK(euler_characteristic(mesh) == 0);
-    CHECK(border_parts(mesh) == 2);
+    CHECK(mesh_borders(mesh).size() == 2);
     CHECK(MeshAdjacency(mesh).non_manifold_edges().empty());
     CHECK(runs_one_way(mesh));
     bool faces = true;
@@ -157,7 +145,7 @@ TEST(moving_least_squares_averages_noise_and_keeps_openings) {
   MovingLeastSquares<> reconstruct;
   const TriangleMesh mesh = reconstruct(scans);
   CHECK(euler_characteristic(mesh) == 0);
-  CHECK(border_parts(mesh) == 2);
+  CHECK(mesh_borders(mesh).size() == 2);
   CHECK(MeshAdjacency(mesh).non_manifold_edges().empty());
   CHECK(runs_one_way(mesh));
   double error = 0.0;
@@ -235,7 +223,7 @@ TEST(greedy_projection_closes_what_is_closed) {
   reconstruct.options.cloud.spacing = 0.04;
   const TriangleMesh tube = reconstruct(std::vector<Scan>{{points, std::nullopt}});
   CHECK(euler_characteristic(tube) == 0);
-  CHECK(border_parts(tube) == 2);
+  CHECK(mesh_borders(tube).size() == 2);
   CHECK(MeshAdjacency(tube).non_manifold_edges().empty());
   CHECK(runs_one_way(tube));
   CHECK_NEAR(tube.area(), 2.0 * kPi * 0.35 * 1.5, 0.2);
