@@ -82,7 +82,7 @@ int run(int argc, char** argv) {
   // The reconstruction comes first, so that it is there whatever happens to the rest.
   write_inspection(out, run);
   const InspectionJudgement judged = judge_inspection(s, site, run);
-  write_judgement(out, s, site, run, judged, watch.curve());
+  write_judgement(out, s, site, run, judged, watch.curve(), nlohmann::json::object());
 
   const ReconstructionMetrics& m = judged.evaluation.metrics;
   std::printf("%s: %s, %d drone%s, planner %s\n",

@@ -26,6 +26,7 @@
 #include "support/fleet_collect.hpp"
 #include "support/inspection.hpp"
 #include "support/inspection_report.hpp"
+#include "support/json_values.hpp"
 #include "support/peak_memory.hpp"
 #include "support/stopwatch.hpp"
 
@@ -40,7 +41,6 @@
 #include <surfleet/fleet/team_end.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/mapping/map_file.hpp>
-#include <surfleet/mapping/surface_points.hpp>
 #include <surfleet/simulation/mission_record.hpp>
 #include <surfleet/simulation/simulated_drone.hpp>
 
@@ -212,16 +212,10 @@ class FlyingAgent {
   const MissionOptions& options() const { return options_; }
 
   nlohmann::json traffic() {
-    nlohmann::json kinds, drops;
-    for (std::size_t k = 0; k < kMessageKinds; ++k)
-      kinds[std::string(name_of(static_cast<MessageKind>(k)))] =
-          network_.bytes_sent(id_, static_cast<std::uint8_t>(k));
-    for (std::size_t k = 0; k < kNetworkDrops; ++k)
-      drops[std::string(name_of(static_cast<NetworkDrop>(k)))] =
-          network_.dropped(static_cast<NetworkDrop>(k));
-    for (std::size_t k = 0; k < kMessageDrops; ++k)
-      drops[std::string(name_of(static_cast<MessageDrop>(k)))] =
-          robot_.guard().dropped(static_cast<MessageDrop>(k));
+    nlohmann::json drops =
+        by_name<NetworkDrop>(kNetworkDrops, [&](NetworkDrop why) { return network_.dropped(why); });
+    drops.update(by_name<MessageDrop>(
+        kMessageDrops, [&](MessageDrop why) { return robot_.guard().dropped(why); }));
     drops["impostor"] = network_.inner().counts().impostors;
     drops["unreadable"] = network_.inner().counts().unreadable;
     drops["malformed_body"] =
@@ -232,7 +226,11 @@ class FlyingAgent {
     nlohmann::json lost = nlohmann::json::array();
     for (const RobotId r : end_.lost()) lost.push_back(r + 1);
     return {{"bytes_sent", network_.bytes_sent(id_)},
-            {"bytes_sent_by_kind", kinds},
+            {"bytes_sent_by_kind", by_name<MessageKind>(kMessageKinds,
+                                                        [&](MessageKind kind) {
+                                                          return network_.bytes_sent(
+                                                              id_, static_cast<std::uint8_t>(kind));
+                                                        })},
             {"messages_dropped", drops},
             {"redundant_stops", robot_.redundant_stops()},
             {"lost_robots", lost}};
@@ -274,17 +272,11 @@ void write_results(const std::filesystem::path& out, const Arguments& a, const I
                    FlyingAgent& agent, nlohmann::json more) {
   const InspectionSettings& s = a.settings;
   const TsdfMap& map = agent.robot().map();
-  const PointCloud points =
-      extract_points(map, {.min_weight = s.known_weight, .threads = s.threads});
-  write_ply(
-      cropped(extract_surface(map, points, {.min_weight = s.known_weight, .threads = s.threads}),
-              site.scene.region),
-      out / "reconstruction.ply");
-  write_ply(cropped(points, site.scene.region), out / "points.ply");
+  const MappedSurface surface = mapped_surface(map, s, site.scene.region);
+  write_ply(surface.mesh, out / "reconstruction.ply");
+  write_ply(surface.points, out / "points.ply");
   save_map(map, out / "map.sfm");
   const MissionResult& m = agent.result();
-  nlohmann::json reasons = nlohmann::json::object();
-  for (const auto& [reason, count] : m.reasons) reasons[std::string(name_of(reason))] = count;
   char digest[20];
   std::snprintf(digest, sizeof digest, "%016llx",
                 static_cast<unsigned long long>(agent.robot().patches().digest()));
@@ -307,7 +299,7 @@ void write_results(const std::filesystem::path& out, const Arguments& a, const I
                          {"left_area_m2", m.left_area},
                          {"estimated_coverage", m.coverage.share()},
                          {"remaining_ise", m.remaining},
-                         {"remaining_ise_reasons", reasons},
+                         {"remaining_ise_reasons", by_name(m.reasons)},
                          {"images", m.images},
                          {"plans", m.plans},
                          {"waits", m.waits},
@@ -381,16 +373,13 @@ int collect(const Arguments& a) {
   InspectionSettings s = a.settings;
   InspectionSite site(open_scene(s), s);
   const std::vector<Configuration> starts = site.starts(s, s.robots);
-  fleet_collect::read_all(a.collect, s);
+  const std::vector<AgentFolder> folders = read_agent_folders(a.collect, s);
   site.find_reference(s, starts.front().position);
-  const CollectedFleet c = collect_fleet(a.collect, s, site);
+  const CollectedFleet c = collect_fleet(folders, s, site);
   const auto out = cli::prepare_output_folder(a.out);
   s.network = "dds";
   write_inspection(out, c.run);
-  write_judgement(out, s, site, c.run, c.judged, {});
-  nlohmann::json metrics = inspection_metrics(s, site, c.run, c.judged, {});
-  metrics.update(c.more);
-  write_file(out / "metrics.json", metrics.dump(2) + "\n");
+  write_judgement(out, s, site, c.run, c.judged, {}, c.more);
   const ReconstructionMetrics& m = c.judged.evaluation.metrics;
   std::printf(
       "%s: %s, %zu robots, maps %s, %zu lost\n", c.run.result.complete ? "complete" : "ended early",

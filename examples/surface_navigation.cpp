@@ -32,6 +32,7 @@
 
 #include "support/cli.hpp"
 #include "support/cloud_navigation.hpp"
+#include "support/navigation_parts.hpp"
 #include "support/peak_memory.hpp"
 #include "support/scanned_surface.hpp"
 #include "support/sparse_navigation.hpp"
@@ -289,14 +290,7 @@ class Navigation {
   }
 
   void stamp(std::vector<StampedPose>& record, const SurfacePose& pose) const {
-    StampedPose stamped;
-    stamped.T_world_body = pose.T_world_body(walk_.mesh());
-    if (!record.empty())
-      stamped.time =
-          record.back().time +
-          (stamped.T_world_body.translation() - record.back().T_world_body.translation()).norm() /
-              s_.speed;
-    record.push_back(stamped);
+    examples::append_pose(record, pose.T_world_body(walk_.mesh()), s_.speed);
   }
 
  private:
@@ -424,13 +418,9 @@ int run(int argc, char** argv) {
   const auto end = [&](double share) {
     return *nearest_surface_point(mesh, bvh, box.center() + (share - 0.5) * box.sizes());
   };
-  SurfacePoint start =
-      s.start.empty() ? end(0.1) : place({s.start[0], s.start[1], s.start[2]}, "--start");
+  auto [start, goals] = examples::route_ends(s.start, s.goal, place, end);
   if (single) start = SurfacePoint{single->triangles.front()};
-  std::vector<SurfacePoint> goals;
-  for (std::size_t k = 0; k + 2 < s.goal.size(); k += 3)
-    goals.push_back(place({s.goal[k], s.goal[k + 1], s.goal[k + 2]}, "--goal"));
-  if (goals.empty() && !s.cover) goals.push_back(end(0.9));
+  if (s.cover) goals.clear();  // none was given: it goes everywhere
 
   const Navigation navigation(s, mesh);
   const auto out = cli::prepare_output_folder(s.out);
@@ -557,11 +547,7 @@ int run(int argc, char** argv) {
   write_tum(out / "driven.tum", journey.driven);
 
   line("drawing");
-  const bool flat = box.sizes().z() < 0.5 * box.sizes().x();
-  const RenderView view = frame_box(box, radians(-60.0), radians(flat ? 50.0 : 25.0), 1280, 860);
-  RenderStyle style;
-  style.shadows = false;
-  Rasterizer picture(view, style);
+  Rasterizer picture = examples::navigation_picture(box);
   TriangleMesh colored = mesh;
   colored.normals = vertex_normals(mesh);
   colored.colors.assign(mesh.vertices.size(), {190, 195, 200});

@@ -31,6 +31,7 @@
 #include <surfleet/surface/smooth_path.hpp>
 
 #include "cli.hpp"
+#include "navigation_parts.hpp"
 #include "peak_memory.hpp"
 #include "stopwatch.hpp"
 #include "surface_scene.hpp"
@@ -72,6 +73,7 @@ struct Truth {
 struct Input {
   PointCloud cloud;
   std::unique_ptr<Truth> truth;
+  std::size_t raw = 0;  ///< Points before any was left out.
 };
 
 inline Input input(const CloudNavigation& s) {
@@ -106,6 +108,22 @@ inline Input input(const CloudNavigation& s) {
     }
   }
   in.cloud.normals.clear();
+  return in;
+}
+
+/// The same less what is not finite, crowded, or lonely. Throws `Error` if hardly any is left.
+inline Input usable_input(const CloudNavigation& s) {
+  require(s.scan_from.size() % 3 == 0, "--scan-from: expected three numbers for each scan");
+  Input in = input(s);
+  in.raw = in.cloud.size();
+  in.cloud = selected(in.cloud, finite_points(in.cloud.points));
+  if (s.spacing > 0.0)
+    in.cloud = selected(in.cloud, evenly_spaced(in.cloud.points, s.spacing, s.seed));
+  if (s.outliers > 0.0)
+    in.cloud = selected(in.cloud,
+                        inliers(in.cloud.points, {.deviations = s.outliers, .threads = s.threads}));
+  require(in.cloud.size() >= 4, "the cloud has " + std::to_string(in.cloud.size()) +
+                                    " usable points; expected four or more");
   return in;
 }
 
@@ -173,17 +191,7 @@ inline int navigate_cloud(const CloudNavigation& s) {
   using namespace cloud_navigation;
   const auto begin = Clock::now();
   require(s.cost.empty() || s.cost.size() == 4, "--cost: expected four weights");
-  require(s.scan_from.size() % 3 == 0, "--scan-from: expected three numbers for each scan");
-  Input in = input(s);
-  const std::size_t raw = in.cloud.size();
-  in.cloud = selected(in.cloud, finite_points(in.cloud.points));
-  if (s.spacing > 0.0)
-    in.cloud = selected(in.cloud, evenly_spaced(in.cloud.points, s.spacing, s.seed));
-  if (s.outliers > 0.0)
-    in.cloud = selected(in.cloud,
-                        inliers(in.cloud.points, {.deviations = s.outliers, .threads = s.threads}));
-  require(in.cloud.size() >= 4, "the cloud has " + std::to_string(in.cloud.size()) +
-                                    " usable points; expected four or more");
+  const Input in = usable_input(s);
   constexpr double kWheel = 0.06;  // of the MagneBike [m]
   const double scale =
       s.vote_scale > 0.0 ? s.vote_scale : std::max(kWheel, 3.0 * median_spacing(in.cloud.points));
@@ -232,12 +240,7 @@ inline int navigate_cloud(const CloudNavigation& s) {
     require(cell.has_value(), "no cell of the cloud is surface; expected a denser cloud");
     return *cell;
   };
-  const std::int32_t start =
-      s.start.empty() ? end(0.1) : place({s.start[0], s.start[1], s.start[2]}, "--start");
-  std::vector<std::int32_t> goals;
-  for (std::size_t k = 0; k + 2 < s.goal.size(); k += 3)
-    goals.push_back(place({s.goal[k], s.goal[k + 1], s.goal[k + 2]}, "--goal"));
-  if (goals.empty()) goals.push_back(end(0.9));
+  const auto [start, goals] = route_ends(s.start, s.goal, place, end);
   const auto out = cli::prepare_output_folder(s.out);
   cli::watch_interrupts();
 
@@ -285,15 +288,10 @@ inline int navigate_cloud(const CloudNavigation& s) {
     for (std::size_t i = 0; i < smooth.points.size(); ++i) {
       const std::size_t next = std::min(i + 1, smooth.points.size() - 1);
       const std::size_t last = next == i && i > 0 ? i - 1 : i;
-      StampedPose pose;
-      pose.T_world_body =
-          body_pose(smooth.points[i], smooth.points[next].position - smooth.points[last].position);
-      if (!record.empty())
-        pose.time =
-            record.back().time +
-            (pose.T_world_body.translation() - record.back().T_world_body.translation()).norm() /
-                s.speed;
-      record.push_back(pose);
+      append_pose(
+          record,
+          body_pose(smooth.points[i], smooth.points[next].position - smooth.points[last].position),
+          s.speed);
       points.push_back(smooth.points[i].position + 0.5 * voxel * smooth.points[i].normal);
     }
     drawn.push_back(points);
@@ -308,7 +306,7 @@ inline int navigate_cloud(const CloudNavigation& s) {
       {"method", "dense"},
       {"voting", s.voting},
       {"seed", s.seed},
-      {"points", raw},
+      {"points", in.raw},
       {"points_used", in.cloud.size()},
       {"tokens", tokens.tokens.size()},
       {"edge_tokens", edge_tokens},
@@ -350,10 +348,7 @@ inline int navigate_cloud(const CloudNavigation& s) {
   write_tum(out / "path.tum", record);
 
   line("drawing");
-  const bool flat = box.sizes().z() < 0.5 * box.sizes().x();
-  RenderStyle style;
-  style.shadows = false;
-  Rasterizer picture(frame_box(box, radians(-60.0), radians(flat ? 50.0 : 25.0), 1280, 860), style);
+  Rasterizer picture = navigation_picture(box);
   std::vector<Point3> faint, salient, red;
   for (std::size_t i = 0; i < tokens.tokens.size(); ++i)
     (tokens.edge[i] != 0                  ? red

@@ -20,8 +20,6 @@
 #include "support/inspection_report.hpp"
 
 #include <surfleet/mapping/map_file.hpp>
-#include <surfleet/mapping/surface_mesh.hpp>
-#include <surfleet/mapping/surface_points.hpp>
 
 namespace surfleet::examples {
 struct CollectedFleet {
@@ -45,9 +43,28 @@ inline StopReason reason_of(const nlohmann::json& metrics) {
     if (name == name_of(r)) return r;
   return StopReason::ended;
 }
+inline Configuration configuration_of(const Pose& T_world_body) {
+  return {T_world_body.translation(), std::atan2(T_world_body(1, 0), T_world_body(0, 0))};
+}
+/// Paths at common instants, for the judge.
+inline std::vector<std::vector<TimedConfiguration>> at_common_instants(
+    const std::map<int, FlownPath>& paths) {
+  std::vector<double> times;
+  for (const auto& [id, path] : paths) path.add_instants(times);
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  std::vector<std::vector<TimedConfiguration>> all;
+  for (const auto& [id, path] : paths) {
+    all.emplace_back();
+    for (const double t : times) all.back().push_back({t, {path.at(t), 0.0}});
+  }
+  return all;
+}
+}  // namespace fleet_collect
+
 /// Throws `Error` for folders that are not of one mission, or not of this scene.
-inline std::vector<AgentFolder> read_all(const std::vector<std::string>& names,
-                                         const InspectionSettings& s) {
+inline std::vector<AgentFolder> read_agent_folders(const std::vector<std::string>& names,
+                                                   const InspectionSettings& s) {
   std::vector<AgentFolder> folders;
   for (const std::string& name : names) {
     folders.push_back(read_agent_folder(name));
@@ -69,31 +86,12 @@ inline std::vector<AgentFolder> read_all(const std::vector<std::string>& names,
           names[0] + ": no robot has left a map; expected one that came to an end");
   return folders;
 }
-inline Configuration configuration_of(const Pose& T_world_body) {
-  return {T_world_body.translation(), std::atan2(T_world_body(1, 0), T_world_body(0, 0))};
-}
-/// Paths at common instants, for the judge.
-inline std::vector<std::vector<TimedConfiguration>> at_common_instants(
-    const std::map<int, FlownPath>& paths) {
-  std::vector<double> times;
-  for (const auto& [id, path] : paths) path.add_instants(times);
-  std::sort(times.begin(), times.end());
-  times.erase(std::unique(times.begin(), times.end()), times.end());
-  std::vector<std::vector<TimedConfiguration>> all;
-  for (const auto& [id, path] : paths) {
-    all.emplace_back();
-    for (const double t : times) all.back().push_back({t, {path.at(t), 0.0}});
-  }
-  return all;
-}
-}  // namespace fleet_collect
 
 /// The maps of all that came to an end are compared voxel for voxel, and the first is judged. A
-/// robot without a complete end is lost. Throws `Error` for folders that do not belong together.
-inline CollectedFleet collect_fleet(const std::vector<std::string>& names,
+/// robot without a complete end is lost. Throws `Error` where nothing was flown.
+inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
                                     const InspectionSettings& s, const InspectionSite& site) {
   namespace fc = fleet_collect;
-  const std::vector<AgentFolder> folders = fc::read_all(names, s);
   const double speed_up = folders.front().who["speed_up"].get<double>();
   CollectedFleet c;
   MissionResult& m = c.run.result;
@@ -133,7 +131,7 @@ inline CollectedFleet collect_fleet(const std::vector<std::string>& names,
       end = std::max(end, t.back().time);
     }
   }
-  require(end > begin, names[0] + ": nothing was flown; expected trajectories");
+  require(end > begin, folders[0].path.string() + ": nothing was flown; expected trajectories");
   m.completion_time = speed_up * (end - begin);
 
   std::vector<RobotId> lost;  // told last: to the judge, they hover
@@ -180,12 +178,9 @@ inline CollectedFleet collect_fleet(const std::vector<std::string>& names,
     d.bytes_by_kind[k] =
         kinds.value(std::string(name_of(static_cast<MessageKind>(k))), std::uint64_t{0});
   c.run.distributed = std::move(d);
-  const PointCloud points =
-      extract_points(c.run.map, {.min_weight = s.known_weight, .threads = s.threads});
-  c.run.reconstruction = cropped(
-      extract_surface(c.run.map, points, {.min_weight = s.known_weight, .threads = s.threads}),
-      site.scene.region);
-  c.run.points = cropped(points, site.scene.region);
+  MappedSurface surface = mapped_surface(c.run.map, s, site.scene.region);
+  c.run.reconstruction = std::move(surface.mesh);
+  c.run.points = std::move(surface.points);
 
   m.trajectories = fc::at_common_instants(paths);
   c.judged = judge_inspection(s, site, c.run);

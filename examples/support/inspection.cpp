@@ -194,6 +194,15 @@ TriangleMesh reconstruction_of(const TsdfMap& map, const InspectionSettings& s,
                  region);
 }
 
+MappedSurface mapped_surface(const TsdfMap& map, const InspectionSettings& s, const Box3& region) {
+  const PointCloud points =
+      extract_points(map, {.min_weight = s.known_weight, .threads = s.threads});
+  return {
+      cropped(extract_surface(map, points, {.min_weight = s.known_weight, .threads = s.threads}),
+              region),
+      cropped(points, region)};
+}
+
 InspectionInputs read_inputs(const InspectionSettings& s) {
   InspectionInputs in;
   if (!s.begun.empty()) {
@@ -244,12 +253,9 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
     run.wall_time = std::chrono::duration<double>(Clock::now() - before - watched).count();
     run.mission_memory = peak_memory();
   }
-  const PointCloud points =
-      extract_points(run.map, {.min_weight = s.known_weight, .threads = s.threads});
-  run.reconstruction = cropped(
-      extract_surface(run.map, points, {.min_weight = s.known_weight, .threads = s.threads}),
-      site.scene.region);
-  run.points = cropped(points, site.scene.region);
+  MappedSurface surface = mapped_surface(run.map, s, site.scene.region);
+  run.reconstruction = std::move(surface.mesh);
+  run.points = std::move(surface.points);
   return run;
 }
 

@@ -60,6 +60,12 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
 /// What is handed over of a map, and judged, while a mission is under way and at its end: the
 /// surface of what it knows at W_th, cut to the region.
 TriangleMesh reconstruction_of(const TsdfMap& map, const InspectionSettings& s, const Box3& region);
+/// The same with the points that it is made beside, cut alike.
+struct MappedSurface {
+  TriangleMesh mesh;
+  PointCloud points;
+};
+MappedSurface mapped_surface(const TsdfMap& map, const InspectionSettings& s, const Box3& region);
 
 /// A finished mission and what it brought back.
 struct InspectionRun {

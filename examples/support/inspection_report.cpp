@@ -8,6 +8,7 @@
 #include <string>
 
 #include "support/cli.hpp"
+#include "support/json_values.hpp"
 #include "support/peak_memory.hpp"
 #include "support/published_figures.hpp"
 
@@ -30,19 +31,20 @@ std::string doubts(const InspectionJudgement& judged) {
 namespace {
 /// What a distributed fleet has besides.
 nlohmann::json network_metrics(const InspectionSettings& s, const DistributedResult& d) {
-  nlohmann::json kinds, drops, lost = nlohmann::json::array();
-  for (std::size_t k = 0; k < kMessageKinds; ++k)
-    kinds[std::string(name_of(static_cast<MessageKind>(k)))] = d.bytes_by_kind[k];
-  for (std::size_t k = 0; k < kNetworkDrops; ++k)
-    drops[std::string(name_of(static_cast<NetworkDrop>(k)))] = d.dropped[k];
+  nlohmann::json lost = nlohmann::json::array();
   for (const RobotId r : d.lost) lost.push_back(r + 1);
-  return {{"network", s.network},
-          {"bytes_sent", d.bytes_sent},
-          {"bytes_sent_by_kind", kinds},
-          {"messages_dropped", drops},
-          {"redundant_stops", d.redundant_stops},
-          {"maps_equal", d.maps_equal},
-          {"lost_robots", lost}};
+  return {
+      {"network", s.network},
+      {"bytes_sent", d.bytes_sent},
+      {"bytes_sent_by_kind",
+       by_name<MessageKind>(kMessageKinds,
+                            [&](auto k) { return d.bytes_by_kind[static_cast<std::size_t>(k)]; })},
+      {"messages_dropped",
+       by_name<NetworkDrop>(kNetworkDrops,
+                            [&](auto k) { return d.dropped[static_cast<std::size_t>(k)]; })},
+      {"redundant_stops", d.redundant_stops},
+      {"maps_equal", d.maps_equal},
+      {"lost_robots", lost}};
 }
 }  // namespace
 
@@ -62,9 +64,6 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
   nlohmann::json stop_reasons = nlohmann::json::array();
   for (const StopReason r : run.result.stop_reasons)
     stop_reasons.push_back(std::string(name_of(r)));
-  nlohmann::json reasons = nlohmann::json::object();
-  for (const auto& [reason, count] : run.result.reasons)
-    reasons[std::string(name_of(reason))] = count;
   nlohmann::json metrics{
       {"scene", site.scene.name},
       {"planner", s.planner},
@@ -106,7 +105,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
       {"keep_out_violations", judged.keep_out_violations},
       {"start_clearance_m", s.known_around_start()},
       {"remaining_ise", run.result.remaining},
-      {"remaining_ise_reasons", reasons},
+      {"remaining_ise_reasons", by_name(run.result.reasons)},
       {"images", run.result.images},
       {"plans", run.result.plans},
       {"emergency_stops", run.result.emergency_stops}};
@@ -146,8 +145,10 @@ void write_inspection(const std::filesystem::path& out, const InspectionRun& run
 
 void write_judgement(const std::filesystem::path& out, const InspectionSettings& s,
                      const InspectionSite& site, const InspectionRun& run,
-                     const InspectionJudgement& judged, const CoverageCurve& curve) {
-  const nlohmann::json metrics = inspection_metrics(s, site, run, judged, curve);
+                     const InspectionJudgement& judged, const CoverageCurve& curve,
+                     const nlohmann::json& more) {
+  nlohmann::json metrics = inspection_metrics(s, site, run, judged, curve);
+  metrics.update(more);
   write_file(out / "metrics.json", metrics.dump(2) + "\n");
 
   // The reconstruction, coloured by its signed distance to the truth.

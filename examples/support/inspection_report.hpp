@@ -100,8 +100,9 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
 
 /// Writes what the mission brought back: reconstruction, map and trajectories.
 void write_inspection(const std::filesystem::path& out, const InspectionRun& run);
-/// Writes what is said of it: metrics, error colours and the report.
+/// Writes what is said of it: metrics, with `more` keys, error colours and the report.
 void write_judgement(const std::filesystem::path& out, const InspectionSettings& s,
                      const InspectionSite& site, const InspectionRun& run,
-                     const InspectionJudgement& judged, const CoverageCurve& curve);
+                     const InspectionJudgement& judged, const CoverageCurve& curve,
+                     const nlohmann::json& more);
 }  // namespace surfleet::examples

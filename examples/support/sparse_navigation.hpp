@@ -19,17 +19,8 @@ namespace surfleet::examples {
 inline int navigate_sparse_cloud(const CloudNavigation& s, std::size_t samples) {
   using namespace cloud_navigation;
   const auto begin = Clock::now();
-  require(s.scan_from.size() % 3 == 0, "--scan-from: expected three numbers for each scan");
-  Input in = input(s);
-  const std::size_t raw = in.cloud.size();
+  Input in = usable_input(s);
   PointCloud& cloud = in.cloud;
-  cloud = selected(cloud, finite_points(cloud.points));
-  if (s.spacing > 0.0) cloud = selected(cloud, evenly_spaced(cloud.points, s.spacing, s.seed));
-  if (s.outliers > 0.0)
-    cloud =
-        selected(cloud, inliers(cloud.points, {.deviations = s.outliers, .threads = s.threads}));
-  require(cloud.size() >= 4, "the cloud has " + std::to_string(cloud.size()) +
-                                 " usable points; expected four or more");
   cloud.normals = plane_normals(cloud.points, {.threads = s.threads});
   if (s.scan_from.size() == 3)
     turn_to_sensor(cloud.points, Point3(s.scan_from[0], s.scan_from[1], s.scan_from[2]),
@@ -52,12 +43,8 @@ inline int navigate_sparse_cloud(const CloudNavigation& s, std::size_t samples) 
             what + ": no point of the cloud within --off-surface; expected a place on it");
     return near->index;
   };
-  std::int32_t at =
-      s.start.empty() ? end(0.1) : place({s.start[0], s.start[1], s.start[2]}, "--start");
-  std::vector<std::int32_t> goals;
-  for (std::size_t k = 0; k + 2 < s.goal.size(); k += 3)
-    goals.push_back(place({s.goal[k], s.goal[k + 1], s.goal[k + 2]}, "--goal"));
-  if (goals.empty()) goals.push_back(end(0.9));
+  const auto [start, goals] = route_ends(s.start, s.goal, place, end);
+  std::int32_t at = start;
   const auto out = cli::prepare_output_folder(s.out);
   cli::watch_interrupts();
 
@@ -89,14 +76,7 @@ inline int navigate_sparse_cloud(const CloudNavigation& s, std::size_t samples) 
     drive_length += drive.length;
     off_path = std::max(off_path, drive.off_path);
     for (const PatchPose& p : drive.poses) {
-      StampedPose pose;
-      pose.T_world_body = body_pose({p.position, p.normal}, p.forward);
-      if (!record.empty())
-        pose.time =
-            record.back().time +
-            (pose.T_world_body.translation() - record.back().T_world_body.translation()).norm() /
-                s.speed;
-      record.push_back(pose);
+      append_pose(record, body_pose({p.position, p.normal}, p.forward), s.speed);
       driven.push_back(p.position + 0.004 * p.normal);
     }
     if (!drive.reached)
@@ -108,7 +88,7 @@ inline int navigate_sparse_cloud(const CloudNavigation& s, std::size_t samples) 
       {"scene", s.scene},
       {"method", "sparse"},
       {"seed", s.seed},
-      {"points", raw},
+      {"points", in.raw},
       {"points_used", cloud.size()},
       {"samples", samples},
       {"path_length_m", length},
@@ -125,10 +105,7 @@ inline int navigate_sparse_cloud(const CloudNavigation& s, std::size_t samples) 
   write_ply(cloud, out / "cloud.ply");
   write_tum(out / "driven.tum", record);
 
-  const bool flat = box.sizes().z() < 0.5 * box.sizes().x();
-  RenderStyle style;
-  style.shadows = false;
-  Rasterizer picture(frame_box(box, radians(-60.0), radians(flat ? 50.0 : 25.0), 1280, 860), style);
+  Rasterizer picture = navigation_picture(box);
   picture.draw_points(cloud.points, Rgb{190, 195, 200}, 4.0);
   picture.draw_polyline(planned, Rgb{30, 90, 190}, 3.0);
   picture.draw_polyline(driven, Rgb{200, 40, 40}, 3.0);
