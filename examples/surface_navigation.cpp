@@ -403,7 +403,6 @@ int run(int argc, char** argv) {
   const TriangleMesh& mesh = surface;
   const Bvh bvh(mesh);
   const auto place = [&](const Point3& p, const char* what) {
-    require(p.allFinite(), std::string(what) + ": expected finite numbers");
     const auto at = nearest_surface_point(mesh, bvh, p);
     const double off = (at->position(mesh) - p).norm();
     char text[160];

@@ -225,7 +225,6 @@ inline int navigate_cloud(const CloudNavigation& s) {
   Box3 box;
   for (const Token& t : tokens.tokens) box.extend(t.position);
   const auto place = [&](const Point3& p, const char* what) {
-    require(p.allFinite(), std::string(what) + ": expected finite numbers");
     const auto cell = planner.cell_at(p, s.off_surface);
     char text[160];
     std::snprintf(text, sizeof text,

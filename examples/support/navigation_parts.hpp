@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
+#include <surfleet/core/error.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/evaluation/rasterizer.hpp>
 #include <surfleet/evaluation/trajectory_io.hpp>
@@ -16,18 +18,26 @@ struct RouteEnds {
   Place start;
   std::vector<Place> goals;
 };
+/// The point that three numbers of an option from the k-th on are. Throws Error if one is not
+/// finite.
+inline Point3 given_point(const std::vector<double>& xyz, std::size_t k, const char* option) {
+  const Point3 p(xyz[k], xyz[k + 1], xyz[k + 2]);
+  if (!p.allFinite()) {
+    std::string why = option;
+    why += ": expected finite numbers";
+    throw Error(why);
+  }
+  return p;
+}
 /// `place(p, option)` is the place at a point that the user has given; `end(share)` one on the
 /// diagonal of the scene's box, where none is. Three numbers are a point.
 template <typename PlaceAt, typename End>
 auto route_ends(const std::vector<double>& start, const std::vector<double>& goal,
                 const PlaceAt& place, const End& end) {
-  const auto point = [](const std::vector<double>& xyz, std::size_t k) {
-    return Point3(xyz[k], xyz[k + 1], xyz[k + 2]);
-  };
-  RouteEnds<decltype(end(0.0))> ends{start.empty() ? end(0.1) : place(point(start, 0), "--start"),
-                                     {}};
+  RouteEnds<decltype(end(0.0))> ends{
+      start.empty() ? end(0.1) : place(given_point(start, 0, "--start"), "--start"), {}};
   for (std::size_t k = 0; k + 2 < goal.size(); k += 3)
-    ends.goals.push_back(place(point(goal, k), "--goal"));
+    ends.goals.push_back(place(given_point(goal, k, "--goal"), "--goal"));
   if (ends.goals.empty()) ends.goals.push_back(end(0.9));
   return ends;
 }
