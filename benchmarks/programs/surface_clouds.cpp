@@ -281,10 +281,11 @@ void folds() {
   end_row();
 }
 
-/// Places that a path passes over a fold of the true surface of more than 30 degrees.
+/// Angles off the square [deg] at which paths pass over folds of the true surface: edges of more
+/// than 75 degrees, and gentler ones of more than 45.
 struct TrueCrossings {
-  std::vector<double> convex, concave;  ///< Angles off the square [deg].
-  int unseen = 0;                       ///< None of the path's own crossings lies within a scale.
+  Figure convex, concave, gentle;
+  std::size_t unseen = 0;  ///< Edges within a scale of which the path knows of none.
 };
 void true_crossings(const cloud_navigation::Truth& truth, const SmoothPath& path,
                     TrueCrossings& found) {
@@ -297,7 +298,7 @@ void true_crossings(const cloud_navigation::Truth& truth, const SmoothPath& path
     const auto near = truth.bvh.closest_point(line[i]);
     const Eigen::Vector3d n =
         truth.mesh.area_vector(static_cast<std::size_t>(near->triangle)).normalized();
-    if (i > kBeside && i + kBeside < line.size() && last.dot(n) < std::cos(radians(30.0))) {
+    if (i > kBeside && i + kBeside < line.size() && last.dot(n) < std::cos(radians(45.0))) {
       const Eigen::Vector3d t = last.cross(n).normalized();
       const Eigen::Vector3d before = line[i - 1] - line[i - 1 - kBeside],
                             after = line[i + kBeside] - line[i];
@@ -307,12 +308,16 @@ void true_crossings(const cloud_navigation::Truth& truth, const SmoothPath& path
                    : 0.0;
       };
       const double angle = std::max(off(before), off(after));
-      ((n - last).dot(before + after) > 0.0 ? found.convex : found.concave).push_back(angle);
-      const bool seen =
-          std::any_of(path.crossings.begin(), path.crossings.end(), [&](const EdgeCrossing& c) {
-            return (path.points[c.point].position - line[i]).norm() < kScale;
-          });
-      found.unseen += seen ? 0 : 1;
+      if (last.dot(n) > std::cos(radians(75.0))) {
+        found.gentle.add(angle);
+      } else {
+        ((n - last).dot(before + after) > 0.0 ? found.convex : found.concave).add(angle);
+        const bool seen =
+            std::any_of(path.crossings.begin(), path.crossings.end(), [&](const EdgeCrossing& c) {
+              return (path.points[c.point].position - line[i]).norm() < kScale;
+            });
+        found.unseen += seen ? 0U : 1U;
+      }
     }
     last = n;
   }
@@ -341,9 +346,10 @@ struct CloudScene {
 };
 
 void paths(const CloudScene& scene, const std::string& name) {
-  Figure plain, smooth, shadow, off, convex, concave, search, voting, cells_held;
+  Figure plain, smooth, shadow, off, search, voting, cells_held;
+  TrueCrossings met;
   std::size_t asked = 0, found_both = 0, differ = 0, compared = 0, no_path = 0, low = 0, steps = 0,
-              unseen = 0, crossings = 0;
+              crossings = 0;
   double dearer = 0.0;
   for_each_seed([&](std::uint64_t seed) {
     CloudNavigation s;
@@ -419,11 +425,7 @@ void paths(const CloudScene& scene, const std::string& name) {
         plain.add(straight->length / *direct);
         smooth.add(taut.length() / *exact);
         shadow.add(shadow_length(*in.truth, taut, off) / *exact);
-        TrueCrossings met;
         true_crossings(*in.truth, taut, met);
-        for (const double a : met.convex) convex.add(a);
-        for (const double a : met.concave) concave.add(a);
-        unseen += static_cast<std::size_t>(met.unseen);
         crossings += taut.crossings.size();
       }
     }
@@ -432,15 +434,16 @@ void paths(const CloudScene& scene, const std::string& name) {
   std::printf(
       ", \"pairs\": %zu, \"measured\": %zu, \"no_path\": %zu, \"compared_with_dijkstra\": %zu, "
       "\"found_otherwise\": %zu, \"cost_off_most\": %.3g, \"low_cells\": %zu, \"cells_entered\": "
-      "%zu, \"edge_crossings\": %zu, \"unseen_folds_crossed\": %zu",
-      asked, found_both, no_path, compared, differ, dearer, low, steps, crossings, unseen);
+      "%zu, \"edge_crossings\": %zu, \"unseen_edges_crossed\": %zu",
+      asked, found_both, no_path, compared, differ, dearer, low, steps, crossings, met.unseen);
   plain.print("distance_only_over_exact");
   smooth.print("smoothed_over_exact");
   shadow.print("shadow_on_surface_over_exact");
   for (double& v : off.values) v *= 1000.0;
   off.print("off_surface_mm");
-  convex.print("attack_convex_deg");
-  concave.print("attack_concave_deg");
+  met.convex.print("attack_convex_deg");
+  met.concave.print("attack_concave_deg");
+  met.gentle.print("attack_folds_45_to_75_deg");
   search.print("search_s");
   voting.print("voting_s");
   cells_held.print("cells");

@@ -10,6 +10,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -127,6 +128,12 @@ inline Input usable_input(const CloudNavigation& s) {
   return in;
 }
 
+/// σ [m]: as asked for, else the larger of the MagneBike's wheel and three spacings.
+inline double voting_scale(const CloudNavigation& s, std::span<const Point3> points) {
+  constexpr double kWheel = 0.06;  // [m]
+  return s.vote_scale > 0.0 ? s.vote_scale : std::max(kWheel, 3.0 * median_spacing(points));
+}
+
 /// Places every 5 mm along the edges of a mesh that fold by more than 30°.
 inline std::vector<Point3> true_edges(const TriangleMesh& mesh) {
   std::vector<Point3> places;
@@ -192,9 +199,7 @@ inline int navigate_cloud(const CloudNavigation& s) {
   const auto begin = Clock::now();
   require(s.cost.empty() || s.cost.size() == 4, "--cost: expected four weights");
   const Input in = usable_input(s);
-  constexpr double kWheel = 0.06;  // of the MagneBike [m]
-  const double scale =
-      s.vote_scale > 0.0 ? s.vote_scale : std::max(kWheel, 3.0 * median_spacing(in.cloud.points));
+  const double scale = voting_scale(s, in.cloud.points);
   const double voxel = s.voxel > 0.0 ? s.voxel : scale * 0.035 / 0.06;
   cli::ProgressLine line(!s.quiet);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
 /// @brief `surface_navigation --method sparse`: RRT* over a cloud's points, then motions of a
-/// bicycle on quadric patches from one to the next.
+/// bicycle on quadric patches, weighted by saliency, from one to the next.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <surfleet/surface/patch_drive.hpp>
+#include <surfleet/surface/sheet_tokens.hpp>
 #include <surfleet/surface/sparse_planner.hpp>
 
 #include "cloud_navigation.hpp"
@@ -27,6 +28,10 @@ inline int navigate_sparse_cloud(const CloudNavigation& s, std::size_t samples) 
                    cloud.normals);
   else
     turn_consistently(cloud.points, 12, cloud.normals);
+  std::vector<double> saliency;  // how much of a sheet there is about each point
+  for (const Token& t :
+       SheetTokens{.scale = voting_scale(s, cloud.points), .threads = s.threads}(cloud.points))
+    saliency.push_back(t.stick);
   SparsePlannerOptions options;
   options.samples = samples;
   options.seed = s.seed;
@@ -71,7 +76,8 @@ inline int navigate_sparse_cloud(const CloudNavigation& s, std::size_t samples) 
     if (in.truth) exact += in.truth->distance(waypoints.front(), waypoints.back()).value_or(0.0);
     at = goals[g];
     if (waypoints.size() < 2) continue;
-    const PatchDrive drive = drive_over_patches(cloud, planner.tree(), waypoints, motions);
+    const PatchDrive drive =
+        drive_over_patches(cloud, planner.tree(), waypoints, motions, saliency);
     patches += drive.patches;
     drive_length += drive.length;
     off_path = std::max(off_path, drive.off_path);

@@ -225,7 +225,8 @@ TEST(steps_are_climbed_all_around) {
     const double a = 2.0 * kPi * v, x = 0.7 * u, r = x < 0.3 ? 0.3 : x < 0.4 ? x : 0.4;
     return Point3(x < 0.3 ? x : x < 0.4 ? 0.3 : x - 0.1, r * std::cos(a), r * std::sin(a));
   });
-  const FeatureMaps maps(cloud_tokens(points), 0.06);
+  const CloudTokens cloud = cloud_tokens(points);
+  const FeatureMaps maps(cloud, 0.06);
   DensePlannerOptions options;
   options.costs = {1.0, 0.0, 0.0, 0.0};
   const DensePlanner planner(maps, options);
@@ -238,6 +239,24 @@ TEST(steps_are_climbed_all_around) {
     const auto path = planner(*a, *b);
     CHECK(path && path->length < 0.7);
     sum += path ? path->length : 1e9;
+    // Both edges are known, in order, and square to the way there and back.
+    for (const bool down : {false, true}) {
+      const SmoothPath smooth = smoothed(planner, cloud, *(down ? planner(*b, *a) : path));
+      CHECK(smooth.crossings.size() == 2 && smooth.worst_attack() < radians(8.0));
+      if (smooth.crossings.size() != 2) continue;
+      const auto radius = [&](std::size_t i) {
+        return smooth.points[smooth.crossings[i].point].position.tail<2>().norm();
+      };
+      CHECK_NEAR(radius(down ? 1 : 0), 0.3, 0.025);
+      CHECK_NEAR(radius(down ? 0 : 1), 0.4, 0.025);
+      for (const EdgeCrossing& crossing : smooth.crossings)
+        for (const std::size_t side : {crossing.point - 1, crossing.point + 1}) {
+          const Eigen::Vector3d on = smooth.points[crossing.point].position,
+                                step = (smooth.points[side].position - on).normalized();
+          const Eigen::Vector3d round = on.cross(Eigen::Vector3d::UnitX()).normalized();
+          CHECK(std::abs(step.dot(round)) < std::sin(radians(8.0)));
+        }
+    }
   }
   CHECK(sum / 18.0 < 0.58);  // straight up it is 0.54 m
   options.least_edge_saliency = 1.5;

@@ -158,6 +158,33 @@ TEST(sparse_paths_are_near_the_shortest) {
   }
 }
 
+// A tenth of the points stands 2 cm over a plate; where they do not count, the drive is on it.
+TEST(drives_heed_saliency) {
+  Random random(7);
+  PointCloud plate;
+  std::vector<double> saliency;
+  for (int i = 0; i < 4000; ++i) {
+    const bool stray = i % 10 == 0;
+    plate.points.emplace_back(random.uniform(), random.uniform(0.0, 0.5), stray ? 0.02 : 0.0);
+    plate.normals.push_back(Eigen::Vector3f::UnitZ());
+    saliency.push_back(stray ? 0.0 : 1.0);
+  }
+  const KdTree tree(plate.points);
+  const std::vector<Point3> waypoints{{0.2, 0.25, 0.0}, {0.5, 0.25, 0.0}, {0.8, 0.25, 0.0}};
+  PatchDriveOptions options;
+  options.quadric.noise = 0.02;
+  options.quadric.most_radius = 0.15;  // two patches at least
+  const auto highest = [&](std::span<const double> weights) {
+    const PatchDrive drive = drive_over_patches(plate, tree, waypoints, options, weights);
+    CHECK(drive.reached && drive.patches > 1);
+    double most = 0.0;
+    for (const PatchPose& p : drive.poses) most = std::max(most, std::abs(p.position.z()));
+    return most;
+  };
+  CHECK(highest(saliency) < 1e-9);
+  CHECK(highest({}) > 1e-3);
+}
+
 TEST(sparse_paths_do_not_jump) {
   // Two plates 20 cm apart, and a lid 2 cm above one that looks the other way.
   PointCloud plates = sampled(4000, 0.0, 6, [](Random& random, Point3& p, Eigen::Vector3d& n) {

@@ -54,12 +54,15 @@ inline std::vector<Eigen::Vector3f> plane_normals(std::span<const Point3> points
   return normals;
 }
 
-/// Turns every normal to the side of the sensor that saw its point.
+/// Turns a normal to the side of the sensor that saw its point.
+inline void turn_to_sensor(const Point3& point, const Point3& sensor, Eigen::Vector3f& normal) {
+  if (normal.cast<double>().dot(sensor - point) < 0.0) normal = -normal;
+}
+/// The same for every normal of one scan.
 inline void turn_to_sensor(std::span<const Point3> points, const Point3& sensor,
                            std::span<Eigen::Vector3f> normals) {
   require(points.size() == normals.size(), "normals: expected one a point");
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (normals[i].cast<double>().dot(sensor - points[i]) < 0.0) normals[i] = -normals[i];
+  for (std::size_t i = 0; i < points.size(); ++i) turn_to_sensor(points[i], sensor, normals[i]);
 }
 
 /// Turns the normals to one side along a minimum spanning tree of 1 − |nᵢ · nⱼ| over each point's

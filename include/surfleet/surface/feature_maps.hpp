@@ -76,6 +76,9 @@ class FeatureMaps {
     tree_ = KdTree(places);
   }
 
+  /// Edge points make edge cells of those nearer than this, or than the inflation: √6 [voxels].
+  static constexpr double kEdgeVoxels = 2.449489742783178;
+
   double voxel() const { return voxel_; }
   const std::vector<FeatureCell>& cells() const { return cells_; }
   const FeatureCell& operator[](std::int32_t cell) const {
@@ -159,7 +162,7 @@ class FeatureMaps {
       along.push_back(e.tangent);
     }
     const KdTree tree(at);
-    const double reach = std::max(options.inflation, std::sqrt(6.0) * voxel_);
+    const double reach = std::max(options.inflation, kEdgeVoxels * voxel_);
     for (FeatureCell& cell : cells_) {
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
       int count = 0;

@@ -36,10 +36,12 @@ struct PatchDrive {
 
 /// Drives from the first waypoint towards the others: of a fan of motions on the patch the one that
 /// ends nearest to the waypoint ahead; a new patch where all would leave the valid part of the old
-/// one. Ends where no patch can be fitted. Throws `Error` for fewer than two waypoints.
+/// one. Patches are weighted by `saliency` where one value a point is given. Ends where no patch
+/// can be fitted. Throws `Error` for fewer than two waypoints.
 inline PatchDrive drive_over_patches(const PointCloud& cloud, const KdTree& tree,
                                      std::span<const Point3> waypoints,
-                                     const PatchDriveOptions& options = {}) {
+                                     const PatchDriveOptions& options = {},
+                                     std::span<const double> saliency = {}) {
   require(waypoints.size() >= 2, "patch drive: expected two waypoints or more");
   require(options.fan >= 3 && options.fan % 2 == 1 && options.wheelbase > 0.0 &&
               options.most_steering > 0.0 && options.most_steering < 0.5 * kPi &&
@@ -50,7 +52,7 @@ inline PatchDrive drive_over_patches(const PointCloud& cloud, const KdTree& tree
   double planned = 0.0;
   for (std::size_t i = 1; i < waypoints.size(); ++i)
     planned += (waypoints[i] - waypoints[i - 1]).norm();
-  auto patch = fit_quadric(cloud, tree, waypoints[0], options.quadric);
+  auto patch = fit_quadric(cloud, tree, waypoints[0], options.quadric, saliency);
   if (!patch) return drive;
   drive.patches = 1;
   auto at = patch->pose(waypoints[0], waypoints[1] - waypoints[0]);
@@ -84,7 +86,7 @@ inline PatchDrive drive_over_patches(const PointCloud& cloud, const KdTree& tree
     }
     if (!best) {
       if (fresh) break;  // not even on its own patch
-      patch = fit_quadric(cloud, tree, at->position, options.quadric);
+      patch = fit_quadric(cloud, tree, at->position, options.quadric, saliency);
       if (!patch) break;
       ++drive.patches;
       fresh = true;

@@ -71,11 +71,9 @@ inline PointCloud oriented_cloud(std::span<const Scan> scans,
   if (!seen) {
     turn_consistently(all.points, 12, all.normals);
   } else {
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const Point3& sensor = *scans[static_cast<std::size_t>(from[i])].sensor;
-      if (all.normals[i].cast<double>().dot(sensor - all.points[i]) < 0.0)
-        all.normals[i] = -all.normals[i];
-    }
+    for (std::size_t i = 0; i < all.size(); ++i)
+      turn_to_sensor(all.points[i], *scans[static_cast<std::size_t>(from[i])].sensor,
+                     all.normals[i]);
   }
   return all;
 }

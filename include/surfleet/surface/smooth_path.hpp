@@ -105,6 +105,63 @@ inline std::vector<EdgeRun> edge_runs(const FeatureMaps& maps,
   }
   return runs;
 }
+/// Where a run of edge cells crosses edges, in order, all in one plane square to the tangent in the
+/// run's middle: edge points of about that direction so near that they make its cells edge cells,
+/// gathered within a reach of one another. One at least, as is where none lies near.
+inline std::vector<EdgePoint> edges_in_run(const FeatureMaps& maps, const CloudTokens& cloud,
+                                           const std::vector<std::int32_t>& cells, EdgeRun run,
+                                           const Point3& before, const Point3& after,
+                                           double reach) {
+  const FeatureCell& middle = maps[cells[(run.first + run.last) / 2]];
+  const Eigen::Vector3d t = middle.tangent;
+  const double marked = FeatureMaps::kEdgeVoxels * maps.voxel();
+  const auto level = [&](const Point3& p) -> Point3 {  // beside the middle
+    return p + t * t.dot(middle.position - p);
+  };
+  std::vector<Point3> way{level(before)};
+  for (std::size_t i = run.first; i <= run.last; ++i) way.push_back(level(maps[cells[i]].position));
+  way.push_back(level(after));
+  struct Group {
+    Point3 sum;
+    double count;
+    Point3 mean() const { return sum / count; }
+  };
+  std::vector<Group> groups;
+  Point3 nearest = middle.position;
+  double least = 1e300;
+  for (const EdgePoint& e : cloud.edge_points) {
+    const double d = (e.position - middle.position).squaredNorm();
+    if (d < least) {
+      least = d;
+      nearest = level(e.position);
+    }
+    if (std::abs(t.dot(e.position - middle.position)) > reach ||
+        std::abs(t.dot(e.tangent)) < std::cos(radians(30.0)))
+      continue;
+    const Point3 at = level(e.position);
+    if (!std::any_of(way.begin(), way.end(),
+                     [&](const Point3& p) { return (p - at).norm() < marked; }))
+      continue;
+    const auto same =
+        std::min_element(groups.begin(), groups.end(), [&](const auto& a, const auto& b) {
+          return (a.mean() - at).norm() < (b.mean() - at).norm();
+        });
+    if (same != groups.end() && (same->mean() - at).norm() < reach) {
+      same->sum += at;
+      same->count += 1.0;
+    } else {
+      groups.push_back({at, 1.0});
+    }
+  }
+  if (groups.size() < 2) return {{nearest, t}};
+  const Eigen::Vector3d chord = way.back() - way.front();
+  std::stable_sort(groups.begin(), groups.end(), [&](const Group& a, const Group& b) {
+    return chord.dot(a.mean()) < chord.dot(b.mean());
+  });
+  std::vector<EdgePoint> edges;
+  for (const Group& g : groups) edges.push_back({g.mean(), t});
+  return edges;
+}
 /// Points along a polyline at most `spacing` apart, the corners included.
 inline std::vector<Point3> divided(const std::vector<Point3>& line, double spacing) {
   std::vector<Point3> points{line.front()};
@@ -146,37 +203,29 @@ inline SmoothPath smoothed(const DensePlanner& planner, const CloudTokens& cloud
   std::vector<Piece> pieces;
   std::size_t from = 0;
   std::vector<Point3> begun{line.front().position};
-  std::vector<std::pair<Point3, Eigen::Vector3d>> edges;
+  std::vector<EdgePoint> edges;
   for (const detail::EdgeRun& run : runs) {
     if (run.first == 0 || run.last + 1 >= path.cells.size()) continue;  // starts or ends on it
     const OrientedPoint &before = line[run.first - 1], &after = line[run.last + 1];
-    // Where it crosses: the edge point nearest to the run's middle, with the tangent there.
-    const std::int32_t middle = path.cells[(run.first + run.last) / 2];
-    const Eigen::Vector3d t = maps[middle].tangent;
-    Point3 on = maps[middle].position;
-    double nearest = 1e300;
-    Point3 token = on;
-    for (const EdgePoint& e : cloud.edge_points) {
-      const double d = (e.position - on).squaredNorm();
-      if (d < nearest) {
-        nearest = d;
-        token = e.position;
-      }
-    }
-    on = token + t * t.dot(on - token);  // on the line of the edge, beside the run's middle
+    const std::vector<EdgePoint> met = detail::edges_in_run(
+        maps, cloud, path.cells, run, before.position, after.position, options.reach);
     // Square directions: in the sheets before and after, across the tangent.
-    const auto across = [&](const OrientedPoint& p) -> Eigen::Vector3d {
-      Eigen::Vector3d d = p.position - on;
-      d -= d.dot(t) * t;
+    const auto across = [](const OrientedPoint& p, const EdgePoint& e) -> Eigen::Vector3d {
+      Eigen::Vector3d d = p.position - e.position;
+      d -= d.dot(e.tangent) * e.tangent;
       return d.norm() > 1e-9 ? Eigen::Vector3d(d.normalized()) : Eigen::Vector3d::Zero();
     };
-    const Eigen::Vector3d back = across(before), ahead = across(after);
-    if (back.isZero() || ahead.isZero() || back.dot(ahead) > 0.8) continue;  // it turned around
+    const Eigen::Vector3d back = across(before, met.front()), ahead = across(after, met.back());
+    if (back.isZero() || ahead.isZero()) continue;
+    if (met.size() == 1 && back.dot(ahead) > 0.8) continue;  // it turned around
     for (std::size_t i = from + 1; i < run.first; ++i) begun.push_back(line[i].position);
-    begun.push_back(on + options.square * back);
+    begun.push_back(met.front().position + options.square * back);
     pieces.push_back({begun, line[from].normal});
-    edges.emplace_back(on, t);
-    begun = {on + options.square * ahead};
+    for (std::size_t k = 0; k < met.size(); ++k) {
+      if (k > 0) pieces.push_back({{}, line[from].normal});  // straight from edge to edge
+      edges.push_back(met[k]);
+    }
+    begun = {met.back().position + options.square * ahead};
     from = run.last;
   }
   for (std::size_t i = from + 1; i < line.size(); ++i) begun.push_back(line[i].position);
@@ -184,7 +233,8 @@ inline SmoothPath smoothed(const DensePlanner& planner, const CloudTokens& cloud
 
   Eigen::Vector3d facing = line.front().normal;
   for (std::size_t k = 0; k < pieces.size(); ++k) {
-    std::vector<Point3> points = detail::divided(pieces[k].points, options.spacing);
+    std::vector<Point3> points;
+    if (!pieces[k].points.empty()) points = detail::divided(pieces[k].points, options.spacing);
     std::vector<Eigen::Vector3d> normal(points.size(), facing);
     for (std::size_t i = 0; i < points.size(); ++i)
       normal[i] = sheet(points[i], i > 0 ? normal[i - 1] : facing).normal;
@@ -200,12 +250,12 @@ inline SmoothPath smoothed(const DensePlanner& planner, const CloudTokens& cloud
       if (moved < 1e-4 * options.spacing) break;
     }
     for (std::size_t i = 0; i < points.size(); ++i) result.points.push_back({points[i], normal[i]});
-    facing = normal.back();
+    if (!normal.empty()) facing = normal.back();
     if (k < edges.size()) {
       EdgeCrossing crossing;
       crossing.point = result.points.size();
-      crossing.tangent = edges[k].second;
-      result.points.push_back({edges[k].first, facing});
+      crossing.tangent = edges[k].tangent;
+      result.points.push_back({edges[k].position, facing});
       result.crossings.push_back(crossing);
     }
   }
