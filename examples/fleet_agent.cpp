@@ -201,7 +201,7 @@ class FlyingAgent {
     if (end_.over(now)) return false;
     for (Message<Packet>& m : robot_.act(now)) network_.send(std::move(m));
     bodies_.tell(at());
-    record_.add(now, std::span<const Configuration>(&at(), 1));
+    if (!idle_) record_.add(now, std::span<const Configuration>(&at(), 1));  // or it hovers
     return true;
   }
   void close(double now, bool over) {
