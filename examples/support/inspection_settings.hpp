@@ -165,7 +165,7 @@ class InspectionOptions {
       app.add("--network", settings.network,
               "of a distributed fleet: perfect, wifi (2 % loss, 20 ms, 20 Mbit/s), poor (30 %, 500 "
               "+- 200 ms, 1 Mbit/s), or a file with loss, latency, jitter [s], bandwidth [bit/s], "
-              "range [m], partition, cut");
+              "range [m], line-of-sight, partition, cut");
     if (program == InspectionProgram::mission)
       app.add("--events", settings.events,
               "file of what befalls robots of a distributed fleet: killed = [\"2 at 120\"], "

@@ -37,6 +37,7 @@ struct RobotState {
   Stops route{};                ///< What it still has to do.
   bool idle = true;             ///< It has nothing to do.
   bool done = false;            ///< Nor has its map, as far as it knows, anything left for anybody.
+  std::uint64_t holds = 0;      ///< If it is done: a digest of what its map is made of.
   double age = 0.0;             ///< Of this news [s].
   // In traffic, see `TrafficAgent`:
   bool held = false, cornered = false, first = false;
