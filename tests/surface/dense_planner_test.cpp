@@ -219,6 +219,31 @@ TEST(edges_are_crossed_squarely) {
   }
 }
 
+// Between two edges a riser of little more than a scale holds few votes; it is climbed anywhere.
+TEST(steps_are_climbed_all_around) {
+  auto points = dense_lattice(42, 105, [](double u, double v) {
+    const double a = 2.0 * kPi * v, x = 0.7 * u, r = x < 0.3 ? 0.3 : x < 0.4 ? x : 0.4;
+    return Point3(x < 0.3 ? x : x < 0.4 ? 0.3 : x - 0.1, r * std::cos(a), r * std::sin(a));
+  });
+  const FeatureMaps maps(cloud_tokens(points), 0.06);
+  DensePlannerOptions options;
+  options.costs = {1.0, 0.0, 0.0, 0.0};
+  const DensePlanner planner(maps, options);
+  double sum = 0.0;
+  for (int k = 0; k < 18; ++k) {
+    const double c = std::cos(kPi * k / 9), s = std::sin(kPi * k / 9);
+    const auto a = planner.cell_at({0.08, 0.3 * c, 0.3 * s}, 0.06);
+    const auto b = planner.cell_at({0.52, 0.4 * c, 0.4 * s}, 0.06);
+    CHECK(a && b);
+    const auto path = planner(*a, *b);
+    CHECK(path && path->length < 0.7);
+    sum += path ? path->length : 1e9;
+  }
+  CHECK(sum / 18.0 < 0.58);  // straight up it is 0.54 m
+  options.least_edge_saliency = 1.5;
+  CHECK_THROWS(Error, DensePlanner(maps, options));
+}
+
 TEST(paths_that_cannot_be) {
   auto points =
       dense_lattice(20, 20, [](double u, double v) { return Point3(0.4 * u, 0.4 * v, 0); });

@@ -36,7 +36,9 @@ struct DenseCosts {
 
 struct DensePlannerOptions {
   DenseCosts costs = {};
-  double least_saliency = 0.35;       ///< λ_surf, as a share of the greatest.
+  double least_saliency = 0.35;  ///< λ_surf, as a share of the greatest.
+  double least_edge_saliency =
+      0.175;                          ///< At edges half of it: a sheet has votes of one side alone.
   double most_turn = radians(50.0);   ///< λ_turn: turns in a step stay below [rad].
   double fan = radians(48.0);         ///< Half opening of the fan of moves on the surface [rad].
   double fan_step = radians(8.0);     ///< Between its moves [rad].
@@ -69,8 +71,9 @@ class DensePlanner {
     const DenseCosts& k = options.costs;
     require(k.distance >= 0.0 && k.surface >= 0.0 && k.turn >= 0.0 && k.curvature >= 0.0,
             "dense planner: expected weights of 0 or more");
-    require(options.least_saliency >= 0.0 && options.least_saliency <= 1.0,
-            "dense planner: expected a least saliency of 0 to 1 times the greatest");
+    for (const double least : {options.least_saliency, options.least_edge_saliency})
+      require(least >= 0.0 && least <= 1.0,
+              "dense planner: expected least saliencies of 0 to 1 times the greatest");
     require(
         options.fan >= 0.0 && options.fan_step > 0.0 && options.most_turn > 0.0,
         "dense planner: expected a fan of 0 or more, a step and a greatest turn of more than 0");
@@ -85,13 +88,12 @@ class DensePlanner {
         }
     const std::size_t n = maps.cells().size();
     neighbor_.assign(n * kHeadings, -1);
-    const double least = options.least_saliency * maps.greatest_saliency();
     parallel_for(
         n, options.threads,
         [&](std::size_t c) {
           for (std::size_t h = 0; h < kHeadings; ++h) {
             const std::int32_t j = maps.find(maps.cells()[c].index + steps_[h]);
-            if (j >= 0 && maps[j].surface > least) neighbor_[c * kHeadings + h] = j;
+            if (j >= 0 && is_surface(j)) neighbor_[c * kHeadings + h] = j;
           }
         },
         256);
@@ -100,7 +102,8 @@ class DensePlanner {
   const FeatureMaps& maps() const { return maps_; }
   const DensePlannerOptions& options() const { return options_; }
   bool is_surface(std::int32_t cell) const {
-    return maps_[cell].surface > options_.least_saliency * maps_.greatest_saliency();
+    const double least = maps_[cell].edge ? options_.least_edge_saliency : options_.least_saliency;
+    return maps_[cell].saliency() > least * maps_.greatest_saliency();
   }
 
   /// @name The graph, for shortest_paths
@@ -160,7 +163,7 @@ class DensePlanner {
     const double turn = std::atan2(along.cross(ahead).norm(), along.dot(ahead));
     if (!(turn < options_.most_turn)) return std::nullopt;
     const double greatest = maps_.greatest_saliency();
-    const double lack = (greatest - to.surface) / greatest;
+    const double lack = std::max(0.0, greatest - to.saliency()) / greatest;
     const DenseCosts& k = options_.costs;
     return k.distance * d + k.surface * lack * lack * lack * lack * d + k.turn * turn * turn / d +
            k.curvature * bend(from.normal, other, mean.cross(m));

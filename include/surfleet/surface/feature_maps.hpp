@@ -39,6 +39,11 @@ struct FeatureCell {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< Of either sign.
   Eigen::Vector3d tangent = Eigen::Vector3d::UnitX();  ///< Of the edges nearby where `edge`.
   bool edge = false;                                   ///< Binary edge map, inflated.
+
+  /// By which a planner tells surface from space. At an edge λ₁ + λ₂ − 2 λ₃: the votes of two
+  /// sheets are as many there as those of one elsewhere, but their normals differ, and λ₁ − λ₂
+  /// vanishes in the fold.
+  double saliency() const { return edge ? surface + 2.0 * plate : surface; }
 };
 
 /// The cells of a grid that lie near tokens, after dense voting by the tokens' sticks and plates.
