@@ -96,6 +96,9 @@ int run(int argc, char** argv) {
   if (!run.result.complete && run.result.enough())
     std::printf("  %.1f m at work; about %.1f m^2 of surface known to be there were left\n",
                 run.result.total_path_at_work(), run.result.left_area);
+  if (const auto& left = run.result.left_out)
+    std::printf("  going on would have gained %.1f m^2 in the next %.1f m, by its own estimate\n",
+                left->gain, left->way);
   std::printf("  coverage %.1f %%, RMSE %.2f cm, M3C2 %.2f +- %.2f cm\n",
               100.0 * m.surface_coverage, 100.0 * m.rmse_m, 100.0 * m.m3c2_mean_m,
               100.0 * m.m3c2_std_m);

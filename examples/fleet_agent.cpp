@@ -17,6 +17,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -56,6 +57,7 @@ struct Arguments {
   int domain = 0;
   double speed_up = 1.0;
   double join = 3.0;
+  double stay = 0.0;
   double lost_packets = 0.0;
   std::string out = "out/fleet_agent";
   bool quiet = false;
@@ -81,6 +83,9 @@ Arguments arguments(int argc, char** argv) {
           "folder of keys, as make_fleet_keys makes it: nobody else is heard, and nobody can speak "
           "for another; without, who sent what is said and not proved");
   app.add("--join", a.join, "longest wait for the others before it sets out [s]").zero_or_more();
+  app.add("--stay", a.stay,
+          "hovers for so long after the end, so that who comes late catches up [s]")
+      .zero_or_more();
   app.add("--lost-packets", a.lost_packets, "share of this robot's packets that are not sent")
       .zero_or_more();
   app.add("--speed-up", a.speed_up, "seconds of the mission in one of the clock").positive();
@@ -108,6 +113,7 @@ Arguments arguments(int argc, char** argv) {
   }
   require(a.speed_up <= 1000.0, "--speed-up: expected at most 1000");
   require(a.join <= 600.0, "--join: expected at most 600 s");
+  require(a.stay <= 1e5, "--stay: expected at most 100000 s");
   require(a.lost_packets <= 0.9, "--lost-packets: expected at most 0.9");
   return a;
 }
@@ -172,11 +178,12 @@ class FlyingAgent {
                distributed(inputs.distributed.agent, agreed)),
         network_(inputs.distributed.network, DdsTransport(team), {id_}),
         bodies_(std::move(team)),
-        end_({.memory = a.settings.wait_for_team}),
+        end_({.linger = TeamEndOptions{}.linger + a.stay, .memory = a.settings.wait_for_team}),
         record_(1) {
     network_.position = [this](RobotId r) {
       return r < fleet_.size() ? fleet_[r].position : Point3(Point3::Constant(-1e6));
     };
+    network_.line_of_sight = [this](const Point3& p, const Point3& q) { return world_.sees(p, q); };
   }
   FlyingAgent(const FlyingAgent&) = delete;
   FlyingAgent& operator=(const FlyingAgent&) = delete;
@@ -189,20 +196,18 @@ class FlyingAgent {
     robot_.look(now, network_.receive(id_));
     ++record_.result.images;
     end_.observe(robot_, now);
+    note_idleness(now);
     record_.estimate(now, robot_.belief());
     if (end_.over(now)) return false;
     for (Message<Packet>& m : robot_.act(now)) network_.send(std::move(m));
     bodies_.tell(at());
-    record_.add(now, std::span<const Configuration>(&at(), 1));
+    if (!idle_) record_.add(now, std::span<const Configuration>(&at(), 1));  // or it hovers
     return true;
   }
   void close(double now, bool over) {
     record_.close(now, robot_.belief(), robot_.plans().impossible());
-    record_.add_robot(robot_.agent(), robot_.agent().stop_reason().value_or(
-                                          over ? StopReason::complete : StopReason::ended));
+    record_.add_planning_robot(robot_, over);
     record_.result.complete = record_.result.stop_reasons.front() == StopReason::complete;
-    record_.result.plans = robot_.plans().plans();
-    record_.result.planning_time = robot_.plans().planning_time();
   }
 
   const Configuration& at() const { return fleet_[id_]; }
@@ -211,6 +216,14 @@ class FlyingAgent {
   const TeamEnd& end() const { return end_; }
   const MissionOptions& options() const { return options_; }
 
+  /// What it has done since there was nothing left to do.
+  nlohmann::json idleness() const {
+    if (!idle_) return {{"idle_s", 0.0}};
+    return {{"idle_s", idle_until_ - idle_->since},
+            {"idle_bytes_sent", network_.bytes_sent(id_) - idle_->bytes_sent},
+            {"idle_memory_growth_bytes", static_cast<std::int64_t>(resident_memory()) -
+                                             static_cast<std::int64_t>(idle_->memory)}};
+  }
   nlohmann::json traffic() {
     nlohmann::json drops =
         by_name<NetworkDrop>(kNetworkDrops, [&](NetworkDrop why) { return network_.dropped(why); });
@@ -244,6 +257,13 @@ class FlyingAgent {
       if (r != id_) all[r].position = Point3::Constant(-1e6 - 1e3 * static_cast<double>(r));
     return all;
   }
+  void note_idleness(double now) {
+    if (!end_.since())
+      idle_.reset();
+    else if (!idle_ || idle_->since != *end_.since())
+      idle_ = Idle{*end_.since(), network_.bytes_sent(id_), resident_memory()};
+    idle_until_ = now;
+  }
   AgentOptions agent_options() {
     options_.agent.endurance = options_.limits.endurance;
     return options_.agent;
@@ -255,6 +275,11 @@ class FlyingAgent {
     return o;
   }
 
+  struct Idle {
+    double since = 0.0;  // [s]
+    std::uint64_t bytes_sent = 0;
+    std::size_t memory = 0;  // [bytes]
+  };
   RobotId id_;
   MissionOptions options_;
   DroneWorld<EmbreeRayCaster> world_;
@@ -265,6 +290,8 @@ class FlyingAgent {
   Impaired<DdsTransport> network_;
   DdsBodies bodies_;
   TeamEnd end_;
+  std::optional<Idle> idle_;
+  double idle_until_ = 0.0;  // [s]
   MissionRecord record_;
 };
 
@@ -306,8 +333,22 @@ void write_results(const std::filesystem::path& out, const Arguments& a, const I
                          {"emergency_stops", m.emergency_stops},
                          {"patches_digest", digest}};
   metrics.update(agent.traffic());
+  metrics.update(agent.idleness());
   metrics.update(more);
   write_file(out / "metrics.json", metrics.dump(2) + "\n");
+}
+
+/// Throws `Error` where a path and a map do not fit: better than to be missed in flight.
+void require_room(const std::filesystem::path& out) {
+  namespace fs = std::filesystem;
+  constexpr std::uintmax_t kLeast = 16 << 20;
+  std::error_code ec;
+  fs::path there = fs::absolute(out, ec).lexically_normal();
+  while (!fs::exists(there, ec) && there.has_relative_path()) there = there.parent_path();
+  const auto room = fs::space(there, ec).available;
+  require(ec || room >= kLeast, "output folder " + out.string() + ": " +
+                                    std::to_string(room >> 10) +
+                                    " kB of room; expected at least 16 MB");
 }
 
 int fly(const Arguments& a) {
@@ -315,6 +356,7 @@ int fly(const Arguments& a) {
   const InspectionSite site(open_scene(s), s);
   // Whatever can be refused is refused before the first file is made.
   const InspectionInputs inputs = read_inputs(s);
+  require_room(a.out);
   const TeamAgreement agreed = agreement(a, mission_options(s, site).belief);
   const auto team = std::make_shared<DdsTeam>(
       a.robot(), DdsOptions{.domain = static_cast<std::uint32_t>(a.domain),

@@ -48,7 +48,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (b.empty()) std::abort();
       const EncodedPatch once = encode_patch(patch);
       const MapPatch again = decode_patch(once.bytes);
-      if (again.blocks != patch.blocks || encode_patch(again).bytes != once.bytes) std::abort();
+      if (again.blocks != patch.blocks || !(again.notes == patch.notes) ||
+          encode_patch(again).bytes != once.bytes)
+        std::abort();
     } catch (const Error&) {
     }
   }

@@ -8,6 +8,7 @@
 ///     bandwidth = 1e6
 ///     partition = ["60 to 200: 1 2 | 3 4 5"]
 ///     cut = ["10 to 20: 1 > 3"]
+///     line-of-sight = true
 #pragma once
 
 #include <cmath>
@@ -143,6 +144,7 @@ inline NetworkConditions network_conditions(const std::string& name, int robots,
                         o.add("--jitter", n.jitter, "");
                         o.add("--bandwidth", n.bandwidth, "");
                         o.add("--range", n.range, "");
+                        o.add_flag("--line-of-sight", n.line_of_sight, "");
                         o.add("--partition", partitions, "");
                         o.add("--cut", cuts, "");
                         o.parse_config(in);

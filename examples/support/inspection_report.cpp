@@ -64,6 +64,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
   nlohmann::json stop_reasons = nlohmann::json::array();
   for (const StopReason r : run.result.stop_reasons)
     stop_reasons.push_back(std::string(name_of(r)));
+  const std::optional<Outlook>& left_out = run.result.left_out;
   nlohmann::json metrics{
       {"scene", site.scene.name},
       {"planner", s.planner},
@@ -75,6 +76,8 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
       {"complete", run.result.complete},
       {"stop_reason", stop_reasons},
       {"left_area_m2", run.result.left_area},
+      {"left_out_gain_m2", left_out ? nlohmann::json(left_out->gain) : none},
+      {"left_out_way_m", left_out ? nlohmann::json(left_out->way) : none},
       {"completion_time_s", run.result.completion_time},
       {"planning_time_s", run.result.planning_time},
       {"wall_time_s", run.wall_time},

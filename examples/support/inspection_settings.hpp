@@ -120,7 +120,7 @@ class InspectionOptions {
 
   explicit InspectionOptions(cli::Options& app,
                              InspectionProgram program = InspectionProgram::mission)
-      : app_(app) {
+      : app_(app), program_(program) {
     app.settle_before_printing([this] { settings = settle(); });
     // A mission that is cut short says nothing beside others, and one drone alone takes long.
     if (program == InspectionProgram::trials) settings.max_time = 14000.0;
@@ -165,7 +165,7 @@ class InspectionOptions {
       app.add("--network", settings.network,
               "of a distributed fleet: perfect, wifi (2 % loss, 20 ms, 20 Mbit/s), poor (30 %, 500 "
               "+- 200 ms, 1 Mbit/s), or a file with loss, latency, jitter [s], bandwidth [bit/s], "
-              "range [m], partition, cut");
+              "range [m], line-of-sight, partition, cut");
     if (program == InspectionProgram::mission)
       app.add("--events", settings.events,
               "file of what befalls robots of a distributed fleet: killed = [\"2 at 120\"], "
@@ -238,8 +238,11 @@ class InspectionOptions {
       app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
       if (!agent) {
         app.add("--least-gain", settings.end.least_gain,
-                "a drone flies home when its route shows less new surface for a metre flown "
-                "[m^2/m]; default 0: when there is nothing left to do");
+                "drones fly home when no route gains so much for a metre flown, as its planner "
+                "counts it [m^2/m]; 0: when there is nothing left to do; default: " +
+                    std::string(program == InspectionProgram::mission
+                                    ? "0.05 times the range by surfleet, else 0"
+                                    : "0"));
         app.add("--coverage-goal", settings.end.coverage_goal,
                 "all fly home at this share by the mission's own account, 0 to 1");
       }
@@ -297,6 +300,10 @@ class InspectionOptions {
           cli::box_from_numbers({keep_out_.begin() + static_cast<std::ptrdiff_t>(i),
                                  keep_out_.begin() + static_cast<std::ptrdiff_t>(i + 6)},
                                 "--keep-out"));
+    // Trials compare planners, of which not all say what their routes gain.
+    if (program_ == InspectionProgram::mission && s.architecture != "distributed" &&
+        !app_.was_given("--least-gain"))
+      s.end.least_gain = planner_by_name(s.planner).enough * s.farthest;
     check(s);
     return s;
   }
@@ -386,6 +393,7 @@ class InspectionOptions {
   }
 
   cli::Options& app_;
+  InspectionProgram program_;
   std::vector<double> range_{MissionPreset{}.nearest, MissionPreset{}.farthest};
   std::string noise_ = "on", announcements_ = "on", floor_;
   std::vector<double> keep_out_;

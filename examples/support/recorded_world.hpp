@@ -52,6 +52,7 @@ class RecordedWorld {
     if (!folder_.empty()) record(image, robot, shot, fleet);
     return image;
   }
+  bool sees(const Point3& a, const Point3& b) const { return world_.sees(a, b); }
 
  private:
   void record(DepthImage image, std::size_t robot, std::uint64_t shot,

@@ -32,7 +32,30 @@ refuse --id 1 --architecture single
 refuse --id 1 --security nowhere
 refuse --id 1 --network nowhere
 refuse --collect nowhere
+refuse --id 1 --stay -1
 refused fleet_agent "${common[@]}" --domain $domain --id 1 --join 0 --out /proc/out
+echo mine >taken
+refused fleet_agent "${common[@]}" --domain $domain --id 1 --join 0 --out taken/1
+[ "$(cat taken)" = mine ]
+# Where there is no room, or none any more: one line, and no file is there by half.
+mkdir full
+if mount -t tmpfs -o size=64k none full 2>/dev/null; then
+  trap 'umount full; rm -rf "$work"' EXIT
+  refused fleet_agent "${common[@]}" --domain $domain --id 1 --join 0 --out full/1
+  grep -q 'of room' stderr.txt && [ -z "$(ls full)" ] || fail "left in a full folder: $(ls full)"
+  mount -o remount,size=20m full
+  "${agent[@]}" --join 0 --speed-up 2 --id 1 --out full/1 >full.txt 2>stderr.txt &
+  one=$!
+  until_true 120 lines full/1/trajectory.tum 20 || fail "it does not fly"
+  dd if=/dev/zero of=full/filler bs=64k >dd.txt 2>&1 || true
+  status=0
+  wait $one || status=$?
+  [ $status = 2 ] && [ ! -s full.txt ] && [ "$(wc -l <stderr.txt)" = 1 ] && grep -q 'with room' stderr.txt ||
+    fail "status $status in a folder that is full: $(cat stderr.txt)"
+  [ "$(ls full/1)" = "$(printf 'agent.json\ntrajectory.tum')" ] || fail "left by half: $(ls full/1)"
+  umount full
+  trap 'rm -rf "$work"' EXIT
+fi
 
 # -- keys: who has none, wrong ones or expired ones is not of the team ------------------------------
 "$bin/make_fleet_keys" keys "t$$" 2

@@ -133,11 +133,14 @@ TEST(bandwidth_queues_and_the_urgent_go_first) {
 
 TEST(partitions_cuts_range_and_sight_part_robots) {
   ParcelNetwork network(4, {.range = 10.0,
+                            .line_of_sight = true,
                             .partitions = {{.from = 1.0, .until = 2.0, .groups = {{0, 1}}}},
                             .cuts = {{.from = 3.0, .until = 4.0, .sender = 0, .receiver = 1}}});
   std::vector<Point3> at{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
   CHECK_THROWS(Error, network.send({.from = 0}));
   network.position = [&](RobotId robot) { return at[robot]; };
+  CHECK_THROWS(Error, network.send({.from = 0}));
+  network.line_of_sight = [](const Point3&, const Point3&) { return true; };
   const auto heard = [&](double time) {
     network.advance(time);
     for (RobotId from = 0; from < 4; ++from) network.send({.from = from});

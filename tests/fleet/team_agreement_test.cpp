@@ -39,7 +39,7 @@ TEST(what_differs_is_said_and_marks_packets) {
     CHECK(numbers.insert(theirs.number()).second);
   };
   other([](TeamAgreement& a) { a.team = "beta"; }, "beta");
-  other([](TeamAgreement& a) { a.protocol = 2; }, "protocol 2");
+  other([](TeamAgreement& a) { a.protocol = 7; }, "protocol 7");
   other([](TeamAgreement& a) { a.robots = 4; }, "team of 4");
   other([](TeamAgreement& a) { a.voxel = 0.31; }, "voxels of 0.31");
   other([](TeamAgreement& a) { a.truncation = 0.3; }, "truncation of 0.3");
@@ -47,10 +47,10 @@ TEST(what_differs_is_said_and_marks_packets) {
   CHECK(says(agreed_by(0), "robot 1 of team alpha is alive elsewhere"));
 }
 TEST(notes_that_are_none_are_passed_over) {
-  for (const char* note : {"", "surfleet", "surfleet,alpha,1", "other,alpha,1,1,3,0.3,0.9,0.3",
-                           "surfleet,alpha,-1,1,3,0.3,0.9,0.3", "surfleet,alpha,1,1,3,0.3,0.9",
-                           "surfleet,alpha,1,1,3,x,0.9,0.3", "surfleet,alpha,1,1,3,0.3,0.9,0.3,4"})
+  for (const char* note : {"", "surfleet", "surfleet,alpha,1", "other,alpha,1,2,3,0.3,0.9,0.3",
+                           "surfleet,alpha,-1,2,3,0.3,0.9,0.3", "surfleet,alpha,1,2,3,0.3,0.9",
+                           "surfleet,alpha,1,2,3,x,0.9,0.3", "surfleet,alpha,1,2,3,0.3,0.9,0.3,4"})
     CHECK(!TeamAgreement::read(note));
   CHECK(!TeamAgreement::read(std::string(100000, ',')));
-  CHECK(TeamAgreement::read("surfleet,alpha,1,2,whatever")->protocol == 2);
+  CHECK(TeamAgreement::read("surfleet,alpha,1,7,whatever")->protocol == 7);
 }

@@ -18,17 +18,13 @@ struct SaidRobot {
   std::uint64_t held = 1;
   std::size_t lacks = 0;
   std::map<RobotId, RobotState> mates_heard{};
-  std::map<RobotId, std::uint64_t> digests{};
 
   const SaidRobot& patches() const { return *this; }
   const SaidRobot& team() const { return *this; }
   const SaidRobot& agent() const { return *this; }
   std::uint64_t digest() const { return held; }
   std::size_t missing() const { return lacks; }
-  std::optional<std::uint64_t> digest_of(RobotId id, double) const {
-    const auto it = digests.find(id);
-    return it == digests.end() ? std::nullopt : std::optional(it->second);
-  }
+  bool is_current(const RobotState& mate) const { return mate.age <= 3.0; }
   std::vector<RobotState> mates(double, double most) const {
     std::vector<RobotState> all;
     for (const auto& [id, mate] : mates_heard)
@@ -38,18 +34,17 @@ struct SaidRobot {
   std::optional<int> stop_reason() const { return reason; }
   bool at_rest() const { return rest; }
   bool is_done() const { return done; }
-  bool finished(double now) const {
+  bool finished() const {
     if (!done || lacks > 0) return false;
-    for (const RobotState& mate : mates(now, 30.0))
-      if (!mate.done || digest_of(mate.id, now) != held) return false;
+    for (const RobotState& mate : mates(0.0, 30.0))
+      if (!mate.done || mate.holds != held || !is_current(mate)) return false;
     return true;
   }
-  void mate(RobotId id, bool idle, double age, std::optional<std::uint64_t> digest) {
+  void mate(RobotId id, bool idle, double age, std::uint64_t holds) {
     mates_heard[id].id = id;
     mates_heard[id].done = idle;
     mates_heard[id].age = age;
-    digests.erase(id);
-    if (digest) digests[id] = *digest;
+    mates_heard[id].holds = holds;
   }
 };
 }  // namespace
@@ -60,8 +55,8 @@ TEST(who_is_done_lingers_though_its_mates_go_first) {
   robot.mate(2, true, 0.5, 1);
   end.observe(robot, 10.0);
   CHECK(!end.over(14.9));
-  robot.mate(2, true, 4.0, std::nullopt);  // gone
-  CHECK(!robot.finished(14.0));
+  robot.mate(2, true, 4.0, 1);  // gone
+  CHECK(!robot.finished());
   end.observe(robot, 14.0);
   CHECK(end.over(15.0) && end.lost().empty());
 }
@@ -88,7 +83,7 @@ TEST(mates_that_fall_silent_at_work_are_lost) {
   robot.mate(2, true, 0.5, 1);
   end.observe(robot, 0.0);
   CHECK(!end.over(100.0));
-  for (RobotId id = 0; id < 3; ++id) robot.mate(id, id > 0, 31.0, std::nullopt);
+  for (RobotId id = 0; id < 3; ++id) robot.mate(id, id > 0, 31.0, 1);
   end.observe(robot, 31.0);
   CHECK(end.over(36.0));
   CHECK((end.lost() == std::vector<RobotId>{0, 1}));

@@ -9,6 +9,8 @@
 #include <surfleet/core/random.hpp>
 #include <surfleet/fleet/impaired.hpp>
 #include <surfleet/fleet/message_guard.hpp>
+#include <surfleet/geometry/bvh.hpp>
+#include <surfleet/geometry/mesh_primitives.hpp>
 
 #include "check.hpp"
 
@@ -22,6 +24,8 @@ RobotState relay_state(RobotId id, double time, bool idle = false) {
   s.at = {Point3(10.0 * id, 0.6 * time, 2.0), 0.5};
   s.ahead = {s.at.position, s.at.position + Point3(0, 3, 0)};
   s.idle = idle;
+  s.done = true;
+  s.holds = 77 + id;
   if (!idle) s.route = {{s.at, {{1, -2, static_cast<int>(id)}}}, {{Point3(1, 2, 3), -1.0}, {}}};
   return s;
 }
@@ -38,7 +42,7 @@ struct RelayTeam {
   double time = 0.0;
 
   explicit RelayTeam(std::size_t n, NetworkConditions conditions = {})
-      : robots(n), network(n, std::move(conditions)), number(n, 0), mute(n, 0) {
+      : robots(n), network(n, along_links(std::move(conditions))), number(n, 0), mute(n, 0) {
     network.position = [](RobotId r) { return Point3(r, 0, 0); };
     network.line_of_sight = [this](const Point3& a, const Point3& b) {
       return linked(static_cast<RobotId>(a.x()), static_cast<RobotId>(b.x()));
@@ -47,6 +51,10 @@ struct RelayTeam {
       relays.emplace_back(r);
       guards.emplace_back(r);
     }
+  }
+  static NetworkConditions along_links(NetworkConditions conditions) {
+    conditions.line_of_sight = true;
+    return conditions;
   }
   double clock(RobotId r) const { return time + 3600.0 * r; }
   void run(double until) {
@@ -109,6 +117,35 @@ TEST(the_graphs_of_a_team_in_and_out_of_touch) {
   team.run(30.0);
   for (RobotId r = 0; r < 3; ++r) CHECK(team.team_of(r).size() == 2);
   CHECK(team.relays[2].counts().jumps == 0 && team.relays[2].counts().malformed == 0);
+}
+
+TEST(who_stands_at_the_corner_of_a_wall_tells_either_side_of_the_other) {
+  const TriangleMesh wall = make_box({Point3(-0.1, -4.0, -1.0), Point3(0.1, 4.0, 5.0)});
+  const Bvh bvh(wall);
+  RelayTeam team(3);
+  std::vector<Point3> at{{-3, 0, 1}, {3, 0, 1}, {0, 6, 1}};
+  team.network.position = [&](RobotId r) { return at[r]; };
+  team.network.line_of_sight = [&](const Point3& a, const Point3& b) {
+    return !bvh.cast(a, b - a, 1.0);
+  };
+  team.run(6.0);
+  CHECK(team.team_of(0) == Ids({1, 2}) && team.team_of(1) == Ids({0, 2}));
+  CHECK(team.relays[0].hops_of(1) == 1 && team.relays[1].hops_of(0) == 1);
+  CHECK(team.relays[0].hops_of(2) == 0 && team.relays[2].hops_of(0) == 0);
+  for (const RobotState& mate : team.relays[0].mates(team.clock(0)))
+    CHECK(mate.done && mate.holds == 77 + mate.id && team.relays[0].is_current(mate));
+  RobotState old = *team.relays[0].last_of(1, team.clock(0));
+  for (const double age : {3.5, 6.5}) {  // one hop away, it may be twice as late
+    old.age = age;
+    CHECK(team.relays[0].is_current(old) == (age < 6.0));
+  }
+  CHECK(team.network.dropped(NetworkDrop::out_of_range) > 20);
+  at[2] = {3, 2, 1};  // behind the wall, too
+  team.run(12.0);
+  CHECK(team.team_of(0).empty() && team.team_of(1) == Ids({2}) && team.team_of(2) == Ids({1}));
+  at[2] = {0, 6, 1};
+  team.run(18.0);
+  CHECK(team.team_of(0) == Ids({1, 2}) && team.team_of(1) == Ids({0, 2}));
 }
 
 TEST(news_travel_along_a_chain_and_grow_older) {

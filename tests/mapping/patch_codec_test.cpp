@@ -55,7 +55,7 @@ Bytes with(Bytes bytes, std::size_t at, const T& value) {
   return bytes;
 }
 constexpr std::size_t kImagesAt = 28, kVoxelAt = 32, kAnchorAt = 48, kBoxAt = 144, kBlocksAt = 168,
-                      kSizeAt = 172, kPackedAt = 176;
+                      kLooksAt = 176, kFailuresAt = 180, kSizeAt = 184, kPackedAt = 188;
 template <typename P>
 bool refused(const Bytes& bytes, const PatchLimits& limits, const P& packer) {
   try {
@@ -95,6 +95,16 @@ void patch_codec_laws(const P& packer) {
     if (at >= detail::kPatchHeaderBytes && P::kPacking == 0)
       CHECK(refused(with(good, at, b), {}, packer));
   }
+}
+/// A plain patch with another value, its hash and checksum put right.
+Bytes lying(Bytes bytes, std::size_t at, std::uint32_t value) {
+  std::memcpy(bytes.data() + at, &value, sizeof(value));
+  const auto view = std::span<const std::byte>(bytes);
+  constexpr std::size_t kHead = detail::kPatchHeaderBytes;
+  const std::uint64_t hash =
+      detail::hash_of(view.subspan(kHead, bytes.size() - 4 - kHead),
+                      detail::hash_of(view.subspan(kImagesAt, kSizeAt - kImagesAt), 0));
+  return with(std::move(bytes), 20, hash);
 }
 /// As a liar would: the hash is right as well.
 Bytes forged(MapPatch patch) { return encode_patch(patch).bytes; }
@@ -146,6 +156,54 @@ TEST(patches_beyond_the_limits_are_refused) {
   CHECK(refused(forged(odd), {}, PlainPacker{}));
 }
 
+TEST(notes_that_no_robot_makes_are_refused) {
+  const MapPatch patch = random_patch(11, 2);
+  CHECK(patch.notes.looks.size() > 1 && patch.notes.failures.size() > 1);
+  CHECK(!refused(forged(patch), {.notes = 3}, PlainPacker{}));
+  CHECK(refused(forged(patch), {.notes = 2}, PlainPacker{}));
+  for (const bool looks : {false, true}) {
+    MapPatch half = patch;
+    if (looks)
+      half.notes.failures.clear();
+    else
+      half.notes.looks.clear();
+    CHECK(refused(forged(half), {.notes = 2}, PlainPacker{}));
+  }
+  const auto refuses = [&](auto&& spoil) {
+    MapPatch odd = patch;
+    spoil(odd.notes);
+    return refused(forged(odd), {}, PlainPacker{});
+  };
+  CHECK(!refuses([](LookNotes&) {}));
+  CHECK(!refuses([](LookNotes& n) { n = {}; }));
+  CHECK(refuses([](LookNotes& n) { n.looks[0].direction = {0, 0, 0}; }));
+  CHECK(refuses([](LookNotes& n) { n.looks[0].direction = {127, 127, 0}; }));
+  CHECK(refuses([](LookNotes& n) { n.looks[1] = n.looks[0]; }));
+  CHECK(refuses([](LookNotes& n) { std::swap(n.looks[0], n.looks[1]); }));
+  CHECK(refuses([](LookNotes& n) { n.looks[0].place[2] = -(1 << 29) - 1; }));
+  CHECK(refuses([](LookNotes& n) { n.looks.back().place[0] = 100000; }));  // out of reach
+  CHECK(refuses([](LookNotes& n) { n.failures[0].count = 0; }));
+  CHECK(refuses([](LookNotes& n) { n.failures[1].place = n.failures[0].place; }));
+  CHECK(refuses([](LookNotes& n) { std::swap(n.failures[0], n.failures[1]); }));
+  CHECK(refuses([](LookNotes& n) { n.failures.back().place[0] = 100000; }));
+  for (const std::size_t at : {kLooksAt, kFailuresAt}) {
+    const Bytes good = forged(patch);
+    std::uint32_t there = 0;
+    std::memcpy(&there, good.data() + at, sizeof(there));
+    CHECK(!refused(lying(good, at, there), {}, PlainPacker{}));
+    for (const std::uint32_t many : {there - 1, there + 1, 1000U, 16384U})
+      CHECK(refused(lying(good, at, many), {}, PlainPacker{}));
+    CHECK(refused(lying(good, at, 0xFFFFFFFFU), {.notes = 0xFFFFFFFFU}, PlainPacker{}));
+  }
+  // Looks need no images: who is at rest may still have some to tell.
+  MapPatch bare = patch;
+  bare.blocks.clear();
+  bare.images = 0;
+  CHECK(!refused(forged(bare), {}, PlainPacker{}));
+  // One version, not two.
+  CHECK(refused(with(forged(patch), 4, std::uint8_t{1}), {}, PlainPacker{}));
+}
+
 TEST(sizes_that_lie_are_refused_before_memory_is_taken) {
   const Bytes good = forged(random_patch(11, 6));
   for (const std::uint32_t huge : {0x7FFFFFFFU, 0xFFFFFFFFU, 1U << 20, 100000U}) {
@@ -153,6 +211,8 @@ TEST(sizes_that_lie_are_refused_before_memory_is_taken) {
     CHECK(refused(with(good, kSizeAt, huge), {}, PlainPacker{}));
     CHECK(refused(with(good, kPackedAt, huge), {}, PlainPacker{}));
     CHECK(refused(with(good, kSizeAt, huge), {}, RunPacker{}));
+    CHECK(refused(with(good, kLooksAt, huge), {.notes = 0xFFFFFFFFU}, PlainPacker{}));
+    CHECK(refused(with(good, kFailuresAt, huge), {.notes = 0xFFFFFFFFU}, PlainPacker{}));
   }
   for (const std::int32_t far : {std::numeric_limits<std::int32_t>::min(),
                                  std::numeric_limits<std::int32_t>::max(), 1 << 26}) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <surfleet/core/random.hpp>
@@ -72,6 +73,21 @@ inline PatchBlock random_patch_block(Random& random, const BlockIndex& index) {
   }
   return b;
 }
+/// Of a few looks and failures about the origin, each once.
+inline LookNotes random_notes(Random& random, int count) {
+  LookNotes notes;
+  const auto place = [&] {
+    VoxelKey p{};
+    for (int& v : p) v = static_cast<int>(random.below(9)) - 4;
+    return p;
+  };
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d d(random.normal(), random.normal(), random.normal());
+    notes.looks.push_back({place(), quantised(Eigen::Vector3d(d.normalized()))});
+    notes.failures.push_back({place(), static_cast<std::uint8_t>(1 + random.below(3))});
+  }
+  return merged_notes(std::span<const LookNotes>(&notes, 1));
+}
 /// About `blocks` of them, none empty, in a box of `side` blocks about the origin.
 inline MapPatch random_patch(std::uint64_t seed, int blocks, int side = 4) {
   Random random(seed);
@@ -96,10 +112,13 @@ inline MapPatch random_patch(std::uint64_t seed, int blocks, int side = 4) {
       std::unique(patch.blocks.begin(), patch.blocks.end(),
                   [](const PatchBlock& a, const PatchBlock& b) { return a.index == b.index; }),
       patch.blocks.end());
+  patch.notes = random_notes(random, static_cast<int>(seed % 4));
+  patch.notes.kind = 7;
   return patch;
 }
 inline bool same_content(const MapPatch& a, const MapPatch& b) {
   return a.id.key == b.id.key && a.voxel_size == b.voxel_size && a.truncation == b.truncation &&
-         a.images == b.images && a.anchor.matrix() == b.anchor.matrix() && a.blocks == b.blocks;
+         a.images == b.images && a.anchor.matrix() == b.anchor.matrix() && a.blocks == b.blocks &&
+         a.notes == b.notes;
 }
 }  // namespace surfleet::test

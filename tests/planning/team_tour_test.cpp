@@ -330,4 +330,23 @@ TEST(robots_open_the_way_to_what_they_cannot_see_yet) {
     CHECK(sent >= 1 && result.impossible.empty());
   }
 }
+TEST(the_beginning_of_a_route_that_pays_best_counts) {
+  Random random(7);
+  for (int round = 0; round < 200; ++round) {
+    BestBeginning best;
+    double gain = 0.0, way = 0.0, most = 0.0;
+    for (int k = 0; k < 6; ++k) {
+      const double g = random.uniform(0.0, 5.0), w = random.uniform(0.1, 9.0);
+      best.add(g, w);
+      gain += g;
+      way += w;
+      most = std::max(most, gain / way);
+    }
+    CHECK_NEAR(best.outlook().gain / best.outlook().way, most, 1e-12);
+  }
+  BestBeginning at_once;  // what takes no flight pays more than anything that does
+  at_once.add(1e-3, 0.0);
+  at_once.add(1e3, 1.0);
+  CHECK(at_once.outlook().way == 0.0);
+}
 }  // namespace

@@ -2,11 +2,16 @@
 #include <surfleet/simulation/distributed_simulation.hpp>
 
 #include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <set>
 #include <vector>
 
 #include "box_world.hpp"
 #include "check.hpp"
 
+#include <surfleet/fleet/central_planning.hpp>
 #include <surfleet/planning/named_planners.hpp>
 
 namespace {
@@ -48,6 +53,82 @@ TEST(a_distributed_fleet_ends_with_equal_maps) {
 TEST(one_robot_of_a_distributed_fleet_works_alone) {
   const DistributedResult r = fly(1, {});
   CHECK(r.mission.complete && r.maps_equal && r.mission.coverage.share() > 0.9);
+}
+/// A robot that plans for itself as `CentralPlanning` has it, on a map in the numbers of patches.
+std::vector<Configuration> flown_alone(const MissionOptions& o, box_world::World& world) {
+  std::vector<Configuration> fleet = box_world::starts(1), path = fleet;
+  using Body = SimulatedDrone<box_world::World>;
+  Body body(world, 0, fleet, o.kind.limits, o.neighbours);
+  const SurfaceBeliefOptions b = SurfaceBelief::checked(o.belief);
+  PatchRecorder<DropOffWeight<>> recorder({.voxel_size = b.voxel_size}, b.tsdf,
+                                          SurfaceBelief::weight(b));
+  PatchFusion fusion({.voxel_size = b.voxel_size, .truncation = b.tsdf.truncation});
+  SurfaceBelief belief(b, std::span<const RobotKind>(&o.kind, 1), &fusion.map());
+  belief.add_known_free(0, {body.estimate().position, o.start_clearance});
+  belief.update();
+  std::array<std::unique_ptr<Agent<Body>>, 1> agents{
+      std::make_unique<Agent<Body>>(0, 0, body, belief, o.agent)};
+  CentralPlanning<AnyPlanner> planning(make_planner("tsga", {.standoff = 2.0}));
+  for (int step = 0; step < 10000; ++step) {
+    const double now = step * o.agent.image_period;
+    Agent<Body>& agent = *agents[0];
+    agent.sense();
+    if (!agent.at_rest()) recorder.integrate(agent.image(), o.kind.camera, agent.camera_pose());
+    fusion.show_open(recorder.open());
+    if (recorder.due()) {
+      const MapPatch patch = recorder.close();
+      fusion.close_open(&patch);
+    }
+    belief.update();
+    agent.check_stop();
+    planning(agents, belief, now);
+    if (planning.finished(agents, belief)) break;
+    agent.move(now);
+    path.push_back(fleet[0]);
+  }
+  return path;
+}
+TEST(one_robot_is_the_single_architecture_bit_by_bit) {
+  box_world::World world;
+  const std::vector<Configuration> single = flown_alone(box_world::options(world), world);
+  const DistributedResult r = fly(1, {});
+  CHECK(r.mission.complete && single.size() == r.mission.trajectories[0].size());
+  std::size_t different = 0;
+  for (std::size_t k = 0; k < std::min(single.size(), r.mission.trajectories[0].size()); ++k) {
+    const Configuration& c = r.mission.trajectories[0][k].configuration;
+    different += c.position == single[k].position && c.yaw == single[k].yaw ? 0 : 1;
+  }
+  CHECK(different == 0 && single.size() > 100);
+}
+TEST(what_one_robot_looked_at_in_vain_no_other_looks_at) {
+  box_world::Glass world;
+  for (const char* name : {"perfect", "wifi"}) {
+    MissionOptions o = box_world::options(world);
+    o.max_time = 2000.0;
+    DistributedSimulation<box_world::Glass> simulation(
+        o, {.network = NetworkConditions::named(name)}, world, box_world::starts(3),
+        [&](RobotId) { return make_planner("tsga", {.standoff = 2.0}); });
+    const DistributedResult r = simulation.run();
+    CHECK(r.mission.complete && r.maps_equal);
+    std::map<VoxelKey, std::set<RobotId>> who_looked;
+    LookLedger all(o.belief.looks);
+    const auto& patches = simulation.robot(0).patches();
+    patches.held().for_each_beyond({}, [&](const PatchKey& key) {
+      const LookNotes notes = patches.patch(key).notes;
+      all.add(notes);
+      for (const auto& look : notes.looks) who_looked[look.place].insert(key.robot);
+      return true;
+    });
+    const auto again = std::count_if(who_looked.begin(), who_looked.end(),
+                                     [](const auto& place) { return place.second.size() > 1; });
+    CHECK(!who_looked.empty() && again == 0);
+    for (RobotId id = 0; id < 3; ++id) CHECK(simulation.robot(id).belief().ledger() == all);
+  }
+}
+TEST(a_fleet_that_hears_along_lines_of_sight_ends_with_equal_maps) {
+  const DistributedResult r = fly(3, {.network = {.line_of_sight = true}});
+  CHECK(r.mission.complete && r.maps_equal && r.mission.coverage.share() > 0.9);
+  CHECK(r.dropped[static_cast<std::size_t>(NetworkDrop::out_of_range)] > 0);
 }
 TEST(threads_change_nothing_of_a_distributed_fleet) {
   const DistributedOptions d{.network = NetworkConditions::named("poor")};

@@ -3,6 +3,7 @@
 /// @brief A small world for the fleet's tests: a box in empty space, seen without noise.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -32,6 +33,26 @@ struct World {
       for (int u = 0; u < camera.width; ++u)
         if (const auto hit = bvh.cast(T.translation(), T.linear() * camera.ray(u, v), 4.0))
           image(u, v) = static_cast<float>(hit->t);
+    return image;
+  }
+  bool sees(const surfleet::Point3& a, const surfleet::Point3& b) const {
+    return !bvh.cast(a, b - a, 1.0);
+  }
+};
+
+/// A patch of one wall that no image shows.
+struct Glass : World {
+  surfleet::DepthImage capture(std::size_t robot, std::uint64_t shot,
+                               std::span<const surfleet::Configuration> fleet) const {
+    surfleet::DepthImage image = World::capture(robot, shot, fleet);
+    const surfleet::Pose T = fleet[robot].pose() * surfleet::forward_camera_mount();
+    for (int v = 0; v < image.height; ++v)
+      for (int u = 0; u < image.width; ++u) {
+        const double depth = image(u, v);
+        if (!(depth > 0.0) || depth > camera.max_range) continue;
+        const surfleet::Point3 p = T * (camera.ray(u, v) * depth);
+        if (std::abs(p.y()) < 0.5 && std::abs(p.z() - 1.0) < 0.4 && p.x() < 0.0) image(u, v) = 0.0F;
+      }
     return image;
   }
 };

@@ -18,10 +18,6 @@ class CentralPlanning {
  public:
   PlanRequests<Planner> requests;
 
-  /// A robot goes home when no part of the route it is given shows that much new surface for a
-  /// metre flown, by what the route is made for [m²/m]; 0: never.
-  double least_gain = 0.0;
-
   explicit CentralPlanning(Planner p = {}) : requests(std::move(p)) {}
 
   /// Plans if that is due, hands out the routes, and lets everybody set out. `agents` are the
@@ -62,28 +58,8 @@ class CentralPlanning {
     }
     Plan plan = requests(belief, asked, team, departures, all_at_rest(agents), time);
     for (std::size_t k = 0; k < team.size(); ++k)
-      if (const auto route = plan.routes.find(team[k].id); route != plan.routes.end()) {
-        if (is_enough(belief, team[k], route->second))
-          agents[k]->retire(StopReason::enough);
-        else
-          agents[k]->accept(std::move(route->second), plan.replan, time);
-      }
-  }
-  /// Of the route's beginnings the one that pays best counts, along straight lines. Stops that are
-  /// for no element, but to see what is there, may be worth anything.
-  bool is_enough(const SurfaceBelief& belief, const RobotState& robot, const Stops& route) const {
-    if (!(least_gain > 0.0) || route.empty()) return false;
-    const double area = belief.voxel_size() * belief.voxel_size();
-    Point3 here = robot.at.position;
-    double gain = 0.0, way = 0.0;
-    for (const Stop& stop : route) {
-      if (stop.targets.empty()) return false;
-      gain += area * static_cast<double>(stop.targets.size());
-      way += (stop.configuration.position - here).norm();
-      here = stop.configuration.position;
-      if (gain >= least_gain * way) return false;
-    }
-    return true;
+      if (const auto route = plan.routes.find(team[k].id); route != plan.routes.end())
+        agents[k]->accept(std::move(route->second), plan.replan, time);
   }
 };
 }  // namespace surfleet

@@ -54,6 +54,7 @@ class DistributedAgent {
                    AgentOptions agent, double start_clearance, Planner planner,
                    const DistributedAgentOptions& options, Packer packer)
       : id_(id),
+        kind_(kind_number(kind)),
         options_(options),
         requests_(std::move(planner)),
         recorder_({.robot = id,
@@ -93,7 +94,7 @@ class DistributedAgent {
       recorder_.integrate(agent_.image(), belief_.space(0).kind.camera, agent_.camera_pose());
       fusion_.show_open(recorder_.open());
     }
-    if (recorder_.due() || (!works && recorder_.images() > 0)) close_patch();
+    if (recorder_.due() || (!works && has_untold())) close_patch();
     belief_.update();
     agent_.check_stop();
     plan();
@@ -106,7 +107,8 @@ class DistributedAgent {
     belief_.goals();
     agent_.move(now);
     RobotState own = agent_.state(now);
-    own.done = is_done() || (agent_.stop_reason() && agent_.at_rest());
+    own.done = (is_done() && !has_untold()) || (agent_.stop_reason() && agent_.at_rest());
+    if (own.done) own.holds = sync_.digest();
     relay_.set_own(std::move(own));
     std::vector<Message<Packet>> out;
     const auto tell = [&](const std::vector<Outgoing>& list) {
@@ -126,15 +128,15 @@ class DistributedAgent {
     return out;
   }
 
-  /// Whether it has nothing to do by its own map, and its open patch is told: what mates need to
-  /// hear of it before they end.
+  /// Whether it has nothing to do by its own map.
   bool is_done() const { return agent_.at_rest() && requests_.exhausted(belief_); }
   /// Whether all is over: it is done, and so is every mate of late, with the same patches.
-  bool finished(double now) const {
+  bool finished() const {
     if (!is_done() || sync_.missing() > 0) return false;
+    if (recent_.empty()) return true;
+    if (has_untold()) return false;
     return std::all_of(recent_.begin(), recent_.end(), [&](const RobotState& mate) {
-      const auto theirs = sync_.digest_of(mate.id, now);
-      return mate.done && theirs && *theirs == sync_.digest();
+      return mate.done && mate.holds == sync_.digest() && relay_.is_current(mate);
     });
   }
 
@@ -156,19 +158,24 @@ class DistributedAgent {
       sync_.hear(*envelope, now_);
       relay_.hear(*envelope, now_);
     }
-    for (const MapPatch& patch : sync_.take_arrived()) fusion_.add(patch);
+    for (const MapPatch& patch : sync_.take_arrived())
+      if (fusion_.add(patch) && patch.notes.kind == kind_) belief_.add_notes(patch.notes);
     team_ = relay_.mates(now_);
     recent_ = relay_.mates(now_, options_.memory_of_lost);
   }
   void close_patch() {
     MapPatch patch = recorder_.close();
-    if (patch.blocks.empty()) {
+    patch.notes = belief_.take_notes();
+    patch.notes.kind = kind_;
+    if (patch.blocks.empty() && patch.notes.empty()) {
       fusion_.close_open(nullptr);
       return;
     }
     patch.id = sync_.publish(patch);
     fusion_.close_open(&patch);
   }
+  /// Whether it has seen, or looked for in vain, what is in no patch yet.
+  bool has_untold() const { return recorder_.images() > 0 || belief_.ledger().has_news(); }
   void plan() {
     if (agent_.scanning()) return;
     if (redundant_(agent_.state(now_), team_)) {
@@ -197,6 +204,7 @@ class DistributedAgent {
   static constexpr double kMostSwollen = 5.0;  ///< [m]
 
   RobotId id_;
+  std::uint32_t kind_;  // as of `kind_number`
   DistributedAgentOptions options_;
   PlanRequests<Planner> requests_;
   PatchRecorder<DropOffWeight<>> recorder_;

@@ -58,7 +58,7 @@ class Impaired {
 
   /// Where robots are, for the range and the line of sight.
   std::function<Point3(RobotId)> position;
-  /// Whether two places see each other; always, if not said. Asked only if `position` is.
+  /// Whether two places see each other, for conditions that ask for it.
   std::function<bool(const Point3&, const Point3&)> line_of_sight;
 
   /// `here`: the robots whose messages are received in this process. Throws `Error` on conditions
@@ -73,7 +73,10 @@ class Impaired {
   double time() const { return now_; }
 
   void send(Message<Payload> message) {
-    require(!conditions_.range || position, "network: a range, but no positions");
+    require(!(conditions_.range || conditions_.line_of_sight) || position,
+            "network: a range or line of sight, but no positions");
+    require(!conditions_.line_of_sight || line_of_sight,
+            "network: a line of sight, but nothing that tells what is between");
     if (!conditions_.bandwidth) {
       transmit(std::move(message), now_);
       return;
@@ -186,7 +189,7 @@ class Impaired {
     if (position) {
       const Point3 a = position(m.from), b = position(to);
       if ((conditions_.range && (a - b).norm() > *conditions_.range) ||
-          (line_of_sight && !line_of_sight(a, b)))
+          (conditions_.line_of_sight && !line_of_sight(a, b)))
         return drop(NetworkDrop::out_of_range);
     }
     // A message's luck is its own, whatever else is sent.

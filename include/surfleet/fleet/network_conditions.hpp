@@ -37,6 +37,7 @@ struct NetworkConditions {
   std::optional<double> bandwidth{};  ///< Of a robot's sending [bit/s].
   std::size_t queue_bytes = 1 << 20;  ///< What waits for it; more drops the least urgent.
   std::optional<double> range{};      ///< Farthest that robots hear each other [m].
+  bool line_of_sight = false;         ///< Robots hear each other only where nothing is between.
   std::vector<NetworkPartition> partitions{};
   std::vector<OneWayCut> cuts{};
   std::uint64_t seed = 1;

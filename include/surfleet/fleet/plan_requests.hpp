@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,6 +21,9 @@ template <FleetPlanner Planner>
 class PlanRequests {
  public:
   Planner planner;
+  /// Routes that are expected to show less new surface for a metre flown are not worth it, and left
+  /// out of the plan [m²/m]; 0: none.
+  double least_gain = 0.0;
   /// Told of every question and its answer, before the answer is carried out.
   std::function<void(const SurfaceSituation&, const Plan&)> on_plan;
 
@@ -43,6 +47,7 @@ class PlanRequests {
     planning_time_ +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     ++plans_;
+    leave_out_what_does_not_pay(situation, plan);
     if (on_plan) on_plan(situation, plan);
     planned_revision_ = belief.known().grid().revision();
     nothing_planned_ = plan.nothing();
@@ -59,12 +64,47 @@ class PlanRequests {
            (nothing_planned_ || vain_plans_ > belief.options().looks.max_failures);
   }
 
+  /// What the routes that the last plan left out, as they did not pay, would have brought; nothing
+  /// if there were none.
+  const std::optional<Outlook>& left_out() const { return left_out_; }
   /// The elements that the last plan had no way to see.
   const std::vector<std::pair<VoxelIndex, LeftReason>>& impossible() const { return impossible_; }
   std::size_t plans() const { return plans_; }
   double planning_time() const { return planning_time_; }  ///< Of the machine [s].
 
  private:
+  /// By what a route's stops are for, along straight lines. Stops that are for no element, but to
+  /// see what is there, may be worth anything.
+  static std::optional<Outlook> by_targets(const SurfaceSituation& s, RobotId id,
+                                           const Stops& route) {
+    const double area = s.belief.voxel_size() * s.belief.voxel_size();
+    Point3 here = s.robot(id).at.position;
+    BestBeginning best;
+    for (const Stop& stop : route) {
+      if (stop.targets.empty()) return std::nullopt;
+      best.add(area * static_cast<double>(stop.targets.size()),
+               (stop.configuration.position - here).norm());
+      here = stop.configuration.position;
+    }
+    return best.outlook();
+  }
+  void leave_out_what_does_not_pay(const SurfaceSituation& s, Plan& plan) {
+    left_out_.reset();
+    if (!(least_gain > 0.0)) return;
+    for (auto& [id, route] : plan.routes) {
+      if (route.empty()) continue;
+      const auto told = plan.outlook.find(id);
+      const auto outlook =
+          told != plan.outlook.end() ? std::optional(told->second) : by_targets(s, id, route);
+      if (!outlook || outlook->gain >= least_gain * outlook->way) continue;
+      if (!left_out_) left_out_.emplace();
+      left_out_->gain += outlook->gain;
+      left_out_->way += outlook->way;
+      route.clear();
+    }
+  }
+
+  std::optional<Outlook> left_out_;
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;
   std::uint64_t planned_revision_ = ~std::uint64_t{0};
   bool nothing_planned_ = false;

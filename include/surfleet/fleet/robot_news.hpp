@@ -4,10 +4,10 @@
 ///
 /// A body of kind `state`: whom its sender hears itself (number, then ids); number of news; of
 /// each: robot, incarnation, number (varints); hops (uint8); age [s] (float32); then kind (varint),
-/// idle, held, cornered, first, done (bits of a uint8), position and yaw (4 × float64), the path
-/// ahead (number, 3 × float32 a point). A body of kind `route` has for each the same beginning, and
-/// then its stops (number); of each position and yaw (4 × float64) and its targets (number, 3
-/// zigzag varints a voxel).
+/// idle, held, cornered, first, done (bits of a uint8), if done what it holds (uint64), position
+/// and yaw (4 × float64), the path ahead (number, 3 × float32 a point). A body of kind `route` has
+/// for each the same beginning, and then its stops (number); of each position and yaw (4 × float64)
+/// and its targets (number, 3 zigzag varints a voxel).
 #pragma once
 
 #include <cmath>
@@ -83,6 +83,7 @@ class NewsReader {
     for (int k = 0; k < 3; ++k) p[k] = real<T>(kMostMetres);
     return p;
   }
+  std::uint64_t digest() { return in_.get<std::uint64_t>(); }
   std::uint8_t byte() { return in_.get<std::uint8_t>(); }
   int coordinate() {
     const std::int64_t v = unzigzag(number(std::numeric_limits<std::uint32_t>::max()));
@@ -142,6 +143,7 @@ inline Bytes encode_states(const StateMessage& message) {
     out.put(static_cast<std::uint8_t>((n.state.idle ? 1 : 0) | (n.state.held ? 2 : 0) |
                                       (n.state.cornered ? 4 : 0) | (n.state.first ? 8 : 0) |
                                       (n.state.done ? 16 : 0)));
+    if (n.state.done) out.put(n.state.holds);
     detail::put_configuration(out, n.state.at);
     const std::size_t ahead = std::min<std::size_t>(n.state.ahead.size(), detail::kMostAhead);
     detail::put_varint(out, ahead);
@@ -166,6 +168,7 @@ inline StateMessage decode_states(std::span<const std::byte> bytes) {
     n.state.cornered = (flags & 4) != 0;
     n.state.first = (flags & 8) != 0;
     n.state.done = (flags & 16) != 0;
+    if (n.state.done) n.state.holds = in.digest();
     n.state.at = in.configuration();
     n.state.ahead.resize(in.count(detail::kMostAhead, 12));
     for (Point3& p : n.state.ahead) p = in.point<float>();

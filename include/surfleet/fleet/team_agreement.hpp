@@ -20,7 +20,7 @@
 
 namespace surfleet {
 struct TeamAgreement {
-  static constexpr std::uint32_t kProtocol = 1;
+  static constexpr std::uint32_t kProtocol = 2;
   std::string team;
   RobotId robot = 0;  ///< Who says so.
   std::uint32_t protocol = kProtocol;

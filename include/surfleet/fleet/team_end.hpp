@@ -16,8 +16,7 @@
 
 namespace surfleet {
 struct TeamEndOptions {
-  double linger = 5.0;   ///< It goes on telling that it is done for so long [s] …
-  double silence = 3.0;  ///< … and takes mates at their word that are not heard less often [s].
+  double linger = 5.0;   ///< It goes on telling that it is done for so long [s].
   double memory = 30.0;  ///< Mates not heard for so long are not waited for [s].
 };
 
@@ -34,22 +33,19 @@ class TeamEnd {
     const std::uint64_t digest = robot.patches().digest();
     for (const RobotState& mate : robot.team().mates(now, options_.memory)) {
       bool& well = ended_well_.try_emplace(mate.id, false).first->second;
-      if (mate.age > options_.silence) continue;
-      const auto theirs = robot.patches().digest_of(mate.id, now);
-      if (!mate.done)
-        well = false;
-      else if (theirs)
-        well = *theirs == digest;
+      if (robot.team().is_current(mate)) well = mate.done && mate.holds == digest;
     }
     if (robot.agent().stop_reason() && robot.agent().at_rest()) {
       if (!since_) since_ = now;
-    } else if (robot.finished(now)) {
+    } else if (robot.finished()) {
       if (!since_ || digest != digest_) since_ = now;
     } else if (!robot.is_done() || robot.patches().missing() > 0 || digest != digest_) {
       since_.reset();
     }
     digest_ = digest;
   }
+  /// Since when it could go [s]; nothing while it could not.
+  std::optional<double> since() const { return since_; }
   bool over(double now) const { return since_ && now - *since_ >= options_.linger; }
   /// Mates that went, or fell silent, before they held the same and had nothing left to do.
   std::vector<RobotId> lost() const {

@@ -122,6 +122,10 @@ class TeamRelay {
     if (it == mates_.end() || !it->second.state) return std::nullopt;
     return it->second.state->head.hops;
   }
+  /// Whether a mate can be taken at its word: what comes from far is older.
+  bool is_current(const RobotState& mate) const {
+    return mate.age <= options_.silence * (1 + hops_of(mate.id).value_or(0));
+  }
   /// Whether nobody is of our team: the single architecture.
   bool alone(double now) const { return mates(now).empty(); }
   const Counts& counts() const { return counts_; }

@@ -6,6 +6,7 @@
 namespace surfleet {
 struct ConstantWeight;
 struct InverseSquareWeight;
+struct LookNotes;
 struct MapFileOptions;
 struct MapPatch;
 class MeshExtractor;

@@ -152,12 +152,14 @@ inline MapPatch moved_patch(const MapPatch& patch, const Pose& T_map_frame) {
   }
   MapPatch moved = patch;
   moved.anchor = T_map_frame * patch.anchor;
+  moved.notes = moved_notes(patch.notes, T_map_frame, h);
   moved.blocks = detail::sorted_patch_blocks(std::move(blocks));
   return moved;
 }
 
 /// Many patches of one frame as one, which weighs what they weigh together; distances and hits are
-/// rounded once more. Throws `Error` on none or on different lattices. O(their voxels).
+/// rounded once more. Throws `Error` on none, on different lattices or on notes of different kinds.
+/// O(their voxels).
 inline MapPatch coalesced_patch(std::span<const MapPatch> patches, const PatchKey& name) {
   require(!patches.empty(), "coalescing patches: expected at least one");
   struct Sum {
@@ -170,10 +172,12 @@ inline MapPatch coalesced_patch(std::span<const MapPatch> patches, const PatchKe
   whole.truncation = patches[0].truncation;
   whole.anchor = patches[0].anchor;
   std::map<VoxelKey, Sum> sums;
+  std::vector<LookNotes> notes;
   for (const MapPatch& patch : patches) {
     require(patch.voxel_size == whole.voxel_size && patch.truncation == whole.truncation,
             "coalescing patches: expected one voxel size and truncation");
     whole.images += patch.images;
+    notes.push_back(patch.notes);
     for (const PatchBlock& b : patch.blocks) {
       Sum& sum = sums[key_of(b.index)];
       for (std::size_t i = 0; i < b.weight.size(); ++i) {
@@ -196,6 +200,7 @@ inline MapPatch coalesced_patch(std::span<const MapPatch> patches, const PatchKe
     }
     detail::set_patch_hits(block, sum.hits);
   }
+  whole.notes = merged_notes(notes);
   whole.blocks = detail::sorted_patch_blocks(std::move(blocks));
   return whole;
 }

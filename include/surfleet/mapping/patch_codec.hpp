@@ -7,15 +7,17 @@
 /// | bytes | content |
 /// | --- | --- |
 /// | 4 | magic `SFPT` |
-/// | 1, 1 | version, 1; packing: 0 plain, 1 zstd (uint8) |
+/// | 1, 1 | version, 2; packing: 0 plain, 1 zstd (uint8) |
 /// | 2 | voxels along a block's edge, 8 (uint16) |
 /// | 12, 8 | robot, incarnation, number (uint32); content hash (uint64) |
 /// | 4 | images (uint32) |
 /// | 8, 8 | voxel size, truncation [m] (float64) |
 /// | 24, 72 | anchor: position [m], rotation by rows (float64) |
 /// | 24 | first and last block index of the box (6 × int32) |
-/// | 4, 4, 4 | blocks; bytes of the blocks unpacked; bytes that follow (uint32) |
-/// | … | the blocks, as `detail/patch_payload.hpp` says, packed |
+/// | 4 | blocks (uint32) |
+/// | 4, 4, 4 | kind of robot; its looks in vain; places it found no way to see (uint32) |
+/// | 4, 4 | bytes of what follows unpacked; bytes that follow (uint32) |
+/// | … | the blocks, then the notes, as `detail/patch_payload.hpp` says, packed |
 /// | 4 | CRC-32 of everything before (uint32) |
 #pragma once
 
@@ -69,12 +71,13 @@ struct PatchLimits {
   double image_weight = 100.0;         ///< Most that one image adds to a voxel.
   double reach = 300.0;                ///< Farthest that a patch extends from its anchor [m].
   std::uint32_t blocks = 1 << 14;      ///< Most; each takes three kilobytes of memory.
+  std::uint32_t notes = 1 << 14;       ///< Most looks in vain, and most places without a way.
 };
 
 namespace detail {
 inline constexpr std::array<char, 4> kPatchMagic{'S', 'F', 'P', 'T'};
-inline constexpr std::uint8_t kPatchVersion = 1;
-inline constexpr std::size_t kPatchHeaderBytes = 4 + 2 + 2 + 20 + 4 + 16 + 96 + 24 + 12;
+inline constexpr std::uint8_t kPatchVersion = 2;
+inline constexpr std::size_t kPatchHeaderBytes = 4 + 2 + 2 + 20 + 4 + 16 + 96 + 24 + 4 + 12 + 8;
 /// Fewest and most bytes of a block before it is packed: place, flags and a mask; and with all that
 /// it can have.
 inline constexpr std::size_t kLeastPatchBlock = 2 + TsdfMap::kBlockVoxels / 8;
@@ -104,6 +107,9 @@ inline Bytes patch_facts(const MapPatch& patch, const BlockBox& box) {
   for (int k = 0; k < 3; ++k) out.put(std::int32_t{box.lo[k]});
   for (int k = 0; k < 3; ++k) out.put(std::int32_t{box.hi[k]});
   out.put(static_cast<std::uint32_t>(patch.blocks.size()));
+  out.put(patch.notes.kind);
+  out.put(static_cast<std::uint32_t>(patch.notes.looks.size()));
+  out.put(static_cast<std::uint32_t>(patch.notes.failures.size()));
   return out.take();
 }
 }  // namespace detail
@@ -126,10 +132,12 @@ EncodedPatch encode_patch(const MapPatch& patch, const Packer& packer = {}) {
     require(patch_order(patch.blocks[i - 1].index, patch.blocks[i].index),
             "patch: blocks out of order; expected each once, by z, y and x");
   const Bytes facts = detail::patch_facts(patch, box);
-  const Bytes blocks = detail::put_patch_blocks(patch.blocks, box);
-  const Bytes packed = packer.pack(blocks);
+  Bytes payload = detail::put_patch_blocks(patch.blocks, box);
+  const Bytes notes = detail::put_look_notes(patch.notes);
+  payload.insert(payload.end(), notes.begin(), notes.end());
+  const Bytes packed = packer.pack(payload);
   PatchId id = patch.id;
-  id.hash = detail::hash_of(blocks, detail::hash_of(facts, 0));
+  id.hash = detail::hash_of(payload, detail::hash_of(facts, 0));
   ByteWriter out;
   out.put(detail::kPatchMagic);
   out.put(detail::kPatchVersion);
@@ -140,7 +148,7 @@ EncodedPatch encode_patch(const MapPatch& patch, const Packer& packer = {}) {
   out.put(id.key.number);
   out.put(id.hash);
   out.put_array(std::span<const std::byte>(facts));
-  out.put(static_cast<std::uint32_t>(blocks.size()));
+  out.put(static_cast<std::uint32_t>(payload.size()));
   out.put(static_cast<std::uint32_t>(packed.size()));
   out.put_array(std::span<const std::byte>(packed));
   out.put(crc32(out.bytes()));
@@ -148,8 +156,8 @@ EncodedPatch encode_patch(const MapPatch& patch, const Packer& packer = {}) {
 }
 
 /// The patch of the bytes, plain or packed as `Packer` packs. Throws `Error` that begins with
-/// `what` on anything but a whole, sound patch within the limits, before it allocates more than
-/// `limits.blocks` allow.
+/// `what` on anything but a whole, sound patch of this version within the limits, before it
+/// allocates more than `limits.blocks` and `limits.notes` allow.
 template <BytePacker Packer = PlainPacker>
 MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limits = {},
                       const Packer& packer = {}, const std::string& what = "patch") {
@@ -159,7 +167,7 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
   ByteReader in(bytes, what);
   sound(bytes.size() >= detail::kPatchHeaderBytes + 4, "ends early; expected a whole header");
   sound(in.get<std::array<char, 4>>() == detail::kPatchMagic, "expected it to begin with SFPT");
-  sound(in.get<std::uint8_t>() == detail::kPatchVersion, "of another version; expected 1");
+  sound(in.get<std::uint8_t>() == detail::kPatchVersion, "of another version; expected 2");
   const auto packing = in.get<std::uint8_t>();
   sound(packing == PlainPacker::kPacking || packing == Packer::kPacking,
         "packed in a way that is not known here");
@@ -196,6 +204,8 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
   for (int k = 0; k < 3; ++k) box.lo[k] = in.get<std::int32_t>();
   for (int k = 0; k < 3; ++k) box.hi[k] = in.get<std::int32_t>();
   const std::size_t count = in.get<std::uint32_t>();
+  patch.notes.kind = in.get<std::uint32_t>();
+  const std::size_t looks = in.get<std::uint32_t>(), failures = in.get<std::uint32_t>();
   const std::size_t facts_end = in.position();
   const std::size_t size = in.get<std::uint32_t>(), packed = in.get<std::uint32_t>();
   double places = count == 0 ? 0.0 : 1.0;
@@ -213,19 +223,36 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
   sound(count <= limits.blocks && static_cast<double>(count) <= places,
         "more blocks than its box or a patch can have");
   sound(count == 0 || patch.images > 0, "blocks, but no images");
-  sound(size >= count * detail::kLeastPatchBlock && size <= count * detail::kMostPatchBlock,
+  sound(looks <= limits.notes && failures <= limits.notes, "more looks in vain than it may have");
+  const std::size_t notes_size = looks * detail::kLookBytes + failures * detail::kFailureBytes;
+  sound(size >= count * detail::kLeastPatchBlock + notes_size &&
+            size <= count * detail::kMostPatchBlock + notes_size,
         "blocks of a size that they cannot have");
   sound(packed + 4 == in.remaining(), "of another length than it says");
   const auto rest = in.take(packed);
-  const Bytes blocks = packing == PlainPacker::kPacking ? PlainPacker{}.unpack(rest, size, what)
-                                                        : packer.unpack(rest, size, what);
-  sound(detail::hash_of(blocks, detail::hash_of(bytes.subspan(facts_at, facts_end - facts_at),
-                                                0)) == patch.id.hash,
+  const Bytes payload = packing == PlainPacker::kPacking ? PlainPacker{}.unpack(rest, size, what)
+                                                         : packer.unpack(rest, size, what);
+  sound(detail::hash_of(payload, detail::hash_of(bytes.subspan(facts_at, facts_end - facts_at),
+                                                 0)) == patch.id.hash,
         "content is not what its hash says");
   const double most = patch.images * limits.image_weight / kPatchWeightUnit;
+  const auto view = std::span<const std::byte>(payload);
   patch.blocks = detail::get_patch_blocks(
-      blocks, count, box,
+      view.first(size - notes_size), count, box,
       most < kPatchMaxWeight ? static_cast<std::uint32_t>(most) : kPatchMaxWeight, what);
+  detail::get_look_notes(view.last(notes_size), looks, failures, patch.notes, what);
+  const double place = kLookPlaceVoxels * patch.voxel_size;
+  const auto near = [&](const VoxelKey& p) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (!(std::abs(place * p[k] - patch.anchor.translation()[static_cast<int>(k)]) <=
+            limits.reach))
+        return false;
+    return true;
+  };
+  for (const LookNotes::Look& l : patch.notes.looks)
+    sound(near(l.place), "looks out of reach of its images");
+  for (const LookNotes::Failure& f : patch.notes.failures)
+    sound(near(f.place), "looks out of reach of its images");
   return patch;
 }
 }  // namespace surfleet

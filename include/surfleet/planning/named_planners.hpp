@@ -23,6 +23,9 @@ struct NamedPlanner {
   /// the whole weight W_th only, a new plan where c_thres of one is complete, and no views that
   /// open space where it is stuck [000 Alg. 1–4].
   bool as_printed = false;
+  /// Where missions by it end if nothing else is said: at routes that gain less for a metre, over
+  /// the camera's range [m²/m per m].
+  double enough = 0.0;
 
   /// `SurfaceBeliefOptions::observed_share` that it is flown with.
   double observed_share() const { return as_printed ? 1.0 : 0.15; }
@@ -30,7 +33,7 @@ struct NamedPlanner {
 
 /// The first is the library's own.
 inline constexpr std::array<NamedPlanner, 7> kPlanners{{
-    {.name = "surfleet"},
+    {.name = "surfleet", .enough = 0.05},
     {.name = "tsga", .as_printed = true},
     {.name = "nnb", .as_printed = true},
     {.name = "tsga-plus"},

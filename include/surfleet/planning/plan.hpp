@@ -37,6 +37,7 @@ struct RobotState {
   Stops route{};                ///< What it still has to do.
   bool idle = true;             ///< It has nothing to do.
   bool done = false;            ///< Nor has its map, as far as it knows, anything left for anybody.
+  std::uint64_t holds = 0;      ///< If it is done: a digest of what its map is made of.
   double age = 0.0;             ///< Of this news [s].
   // In traffic, see `TrafficAgent`:
   bool held = false, cornered = false, first = false;
@@ -83,10 +84,34 @@ struct ReplanRule {
   bool watch_on = false;
 };
 
+/// What is expected of a route and of what would follow it, by the planner: the beginning of it
+/// that pays best.
+struct Outlook {
+  double gain = 0.0;  ///< New surface [m²].
+  double way = 0.0;   ///< To be flown for it [m].
+};
+/// Which beginning of a route pays best: the most gain for a metre.
+class BestBeginning {
+ public:
+  void add(double gain, double way) {
+    so_far_.gain += gain;
+    so_far_.way += way;
+    if (!any_ || so_far_.gain * best_.way > best_.gain * so_far_.way) best_ = so_far_;
+    any_ = true;
+  }
+  const Outlook& outlook() const { return best_; }
+
+ private:
+  Outlook so_far_, best_;
+  bool any_ = false;
+};
+
 /// New routes and the elements for which the planner found none.
 struct Plan {
   /// By robot: who is not named keeps the route it has; an empty route takes it away.
   std::map<RobotId, Stops> routes;
+  /// Of routes, if the planner has an opinion. Without, a route shows what its stops are for.
+  std::map<RobotId, Outlook> outlook{};
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible;
   ReplanRule replan{};
 

@@ -3,9 +3,12 @@
 /// @brief What robots of one kind have in common: camera, body, limits, where they may be.
 #pragma once
 
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
+#include <surfleet/core/random.hpp>
 #include <surfleet/core/transport.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/keep_out.hpp>
@@ -25,4 +28,31 @@ struct RobotKind {
   Box3 bounds;       ///< Where the robots' centres may be [m].
   KeepOut keep_out;  ///< Where in there their bodies may not be.
 };
+
+/// The same for kinds that see and reach the same, on whatever host, and almost certainly another
+/// for others: what one robot looked for in vain, another of its kind need not try.
+inline std::uint32_t kind_number(const RobotKind& kind) {
+  std::uint64_t h = 0;
+  // Whole micrometres, as hosts' sines differ in their last bits.
+  const auto add = [&](double v) {
+    h = mix64(h ^ std::bit_cast<std::uint64_t>(std::round(v * 1e6) + 0.0));
+  };
+  const auto add_point = [&](const Eigen::Vector3d& p) {
+    for (int k = 0; k < 3; ++k) add(p[k]);
+  };
+  const PinholeCamera& c = kind.camera;
+  for (const double v : {static_cast<double>(c.width), static_cast<double>(c.height), c.fx, c.fy,
+                         c.cx, c.cy, c.min_range, c.max_range, kind.body_radius,
+                         kind.margin.value_or(-1.0), kind.unknown_margin.value_or(-1.0)})
+    add(v);
+  add_point(kind.T_body_camera.translation());
+  for (int k = 0; k < 3; ++k) add_point(kind.T_body_camera.linear().col(k));
+  add_point(kind.bounds.min());
+  add_point(kind.bounds.max());
+  for (const Box3& box : kind.keep_out.boxes) {
+    add_point(box.min());
+    add_point(box.max());
+  }
+  return static_cast<std::uint32_t>(h);
+}
 }  // namespace surfleet

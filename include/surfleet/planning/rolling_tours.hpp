@@ -157,6 +157,7 @@ class RollingTours {
     for (std::size_t w = 0; w < waiting.size(); ++w) {
       goals_.erase(waiting[w].id);
       if (tours[w].empty()) continue;
+      plan.outlook[waiting[w].id] = outlook_of(tours[w], starts[w], sites.positions);
       const std::size_t first = tours[w].front().site;
       if (views[first].known) {
         plan.routes[waiting[w].id] =
@@ -166,6 +167,17 @@ class RollingTours {
         plan.routes[waiting[w].id] = {*look};
       }
     }
+  }
+
+  static Outlook outlook_of(std::span<const TeamTourStop> tour, const TourStart& start,
+                            std::span<const Point3> sites) {
+    BestBeginning best;
+    for (std::size_t k = 0; k < tour.size(); ++k) {
+      const std::size_t s = tour[k].site;
+      best.add(tour[k].gain,
+               k == 0 ? start.distance[s] : (sites[tour[k - 1].site] - sites[s]).norm());
+    }
+    return best.outlook();
   }
 
   Sites find_sites(const Search& search, const SurfaceSituation& s, Lattice& lattice,

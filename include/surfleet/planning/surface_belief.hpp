@@ -145,6 +145,14 @@ class SurfaceBelief {
     goals_stale_ = true;
   }
 
+  /// What another robot of the same kind has noted.
+  void add_notes(const LookNotes& notes) {
+    if (notes.empty()) return;
+    ledger_.add(notes);
+    goals_stale_ = true;
+  }
+  LookNotes take_notes() { return ledger_.take_news(); }  ///< See `LookLedger::take_news`.
+
   // -- what is held ------------------------------------------------------------------------------
   const SurfaceBeliefOptions& options() const { return options_; }
   const Box3& region() const { return options_.region; }

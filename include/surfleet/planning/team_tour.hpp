@@ -58,6 +58,7 @@ struct TeamTourStop {
   std::size_t site = 0;
   int heading = 0;
   double rate = 0.0;  ///< Its gain over what it cost when it was inserted.
+  double gain = 0.0;  ///< What it shows beside those that were inserted before [m²].
 };
 
 /// Stops for each robot in the order of the visit: those of the most gain per metre inserted, one
@@ -180,7 +181,7 @@ class TeamTours {
               std::max(cost[t] + turn_at(tours_[t], leg, heading_angle(heading)), least[t]);
           if (gain[k] <= best_rate * metres) continue;
           best_rate = gain[k] / metres;
-          best = Insertion{{s, heading, best_rate}, t, leg};
+          best = Insertion{{s, heading, best_rate, gain[k]}, t, leg};
         }
       }
     }

@@ -62,6 +62,10 @@ class DistributedSimulation {
           options_.start_clearance, planner(static_cast<RobotId>(r)), distributed_.agent));
     }
     network_.position = [this](RobotId r) { return fleet_[r].position; };
+    if constexpr (SightWorld<World>)
+      network_.line_of_sight = [&world](const Point3& a, const Point3& b) {
+        return world.sees(a, b);
+      };
   }
   DistributedSimulation(const DistributedSimulation&) = delete;
   DistributedSimulation& operator=(const DistributedSimulation&) = delete;
@@ -129,7 +133,7 @@ class DistributedSimulation {
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       if (!alive_[r]) continue;
       anybody = true;
-      if (!robots_[r]->finished(time_)) return false;
+      if (!robots_[r]->finished()) return false;
     }
     return anybody;
   }
@@ -145,10 +149,7 @@ class DistributedSimulation {
     result_.maps_equal = true;
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       const Robot& robot = *robots_[r];
-      m.plans += robot.plans().plans();
-      m.planning_time += robot.plans().planning_time();
-      record_.add_robot(robot.agent(), robot.agent().stop_reason().value_or(
-                                           m.complete ? StopReason::complete : StopReason::ended));
+      record_.add_planning_robot(robot, m.complete);
       result_.redundant_stops += robot.redundant_stops();
       result_.bytes_sent.push_back(network_.bytes_sent(static_cast<RobotId>(r)));
       if (alive_[r] && &robot != &first)

@@ -23,7 +23,7 @@ struct DroneWorldOptions {
   std::uint64_t seed = 1;
 };
 
-/// Models `WorldModel`: depth images cast against the true mesh, teammates as balls. Every image
+/// Models `SightWorld`: depth images cast against the true mesh, teammates as balls. Every image
 /// has a random stream of its own, named by robot and shot, so images do not depend on the order
 /// or the number of threads in which they are taken. The caster must outlive this object.
 template <RayCaster Caster>
@@ -47,6 +47,8 @@ class DroneWorld {
     return options_.noise ? noisy_.capture(*caster_, T_world_camera, mates, random)
                           : exact_.capture(*caster_, T_world_camera, mates, random);
   }
+  /// Whether nothing of the scene is between; robots are not in the way.
+  bool sees(const Point3& a, const Point3& b) const { return !caster_->cast(a, b - a, 1.0); }
 
  private:
   const Caster* caster_;

@@ -29,14 +29,23 @@ class AnyWorld {
       : capture_(
             [&world](std::size_t robot, std::uint64_t shot, std::span<const Configuration> fleet) {
               return world.capture(robot, shot, fleet);
-            }) {}
+            }) {
+    if constexpr (SightWorld<World>)
+      sees_ = [&world](const Point3& a, const Point3& b) { return world.sees(a, b); };
+  }
   DepthImage capture(std::size_t robot, std::uint64_t shot,
                      std::span<const Configuration> fleet) const {
     return capture_(robot, shot, fleet);
   }
+  /// Throws `Error` for a world that does not know.
+  bool sees(const Point3& a, const Point3& b) const {
+    require(sees_ != nullptr, "world: expected one that knows lines of sight");
+    return sees_(a, b);
+  }
 
  private:
   std::function<DepthImage(std::size_t, std::uint64_t, std::span<const Configuration>)> capture_;
+  std::function<bool(const Point3&, const Point3&)> sees_;
 };
 
 struct FlownMission {

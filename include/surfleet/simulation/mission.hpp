@@ -28,7 +28,7 @@ namespace surfleet {
 /// When a mission is over before there is nothing left to do. With any of these, robots end where
 /// they started.
 struct MissionLimits {
-  double least_gain = 0.0;                ///< See `CentralPlanning::least_gain` [m²/m].
+  double least_gain = 0.0;                ///< See `PlanRequests::least_gain` [m²/m].
   std::optional<double> coverage_goal{};  ///< Of the mission's own account, a share.
   EnduranceLimits endurance{};            ///< Of every robot.
 
@@ -101,8 +101,11 @@ struct MissionResult {
   double planning_time = 0.0;    ///< Of the machine, in the high-level planner [s].
   std::vector<std::vector<TimedConfiguration>> trajectories;  ///< One a robot.
   std::vector<double> path_length;                            ///< One a robot [m].
-  std::vector<double> path_at_work;           ///< The same without the flights home at the end [m].
-  std::vector<StopReason> stop_reasons;       ///< One a robot.
+  std::vector<double> path_at_work;      ///< The same without the flights home at the end [m].
+  std::vector<StopReason> stop_reasons;  ///< One a robot.
+  /// What its planner expected of going on, for every robot the beginning of its tour that pays
+  /// best; nothing if it found nothing more to do.
+  std::optional<Outlook> left_out;
   double left_area = 0.0;                     ///< Of elements still worth planning for [m²].
   std::size_t remaining = 0;                  ///< Incomplete elements at the end.
   CoverageEstimate coverage;                  ///< By its own account, at the end.

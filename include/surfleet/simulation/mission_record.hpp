@@ -58,6 +58,14 @@ class MissionRecord {
     result.emergency_stops += agent.emergency_stops();
     result.waits += agent.waits();
   }
+  /// The same of a robot that plans for itself, whose mission came to an end of its own or not.
+  template <typename Robot>
+  void add_planning_robot(const Robot& robot, bool over) {
+    result.plans += robot.plans().plans();
+    result.planning_time += robot.plans().planning_time();
+    add_robot(robot.agent(), robot.agent().stop_reason().value_or(over ? StopReason::complete
+                                                                       : StopReason::ended));
+  }
   /// The end, as `belief` has it; `impossible` are the elements that its last plan had no way to
   /// see.
   void close(double time, const SurfaceBelief& belief,

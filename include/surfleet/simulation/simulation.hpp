@@ -59,7 +59,7 @@ class Simulation {
     if constexpr (std::is_same_v<Planner, AnyPlanner>)
       require(planning_.requests.planner != nullptr,
               "planner: expected one, not an empty function");
-    planning_.least_gain = options_.limits.least_gain;
+    planning_.requests.least_gain = options_.limits.least_gain;
     options_.agent.endurance = options_.limits.endurance;
     for (std::size_t r = 0; r < fleet_.size(); ++r) {
       belief_.add_known_free(0, {fleet_[r].position, options_.start_clearance});
@@ -119,9 +119,11 @@ class Simulation {
   /// With nothing left to do, or nobody to do it: true once all are where they are to end.
   bool over() {
     ended_ = true;
+    const auto& left_out = planning_.requests.left_out();
+    if (left_out) record_.result.left_out = *left_out;
     if (options_.limits.any())
       for (const auto& agent : agents_) {
-        agent->retire(StopReason::complete);
+        agent->retire(left_out ? StopReason::enough : StopReason::complete);
         ended_ = ended_ && agent->at_rest();
       }
     record_.result.complete = ended_;

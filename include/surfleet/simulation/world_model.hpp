@@ -26,6 +26,13 @@ concept WorldModel = requires(W& world, std::size_t robot, std::uint64_t shot,
   { world.capture(robot, shot, fleet) } -> std::same_as<DepthImage>;
 };
 
+/// A world that also knows what is between places: `sees(a, b)`, whether nothing is. Networks whose
+/// robots hear each other along lines of sight need one. Models: `DroneWorld`, `AnyWorld`.
+template <typename W>
+concept SightWorld = WorldModel<W> && requires(const W& world, const Point3& a, const Point3& b) {
+  { world.sees(a, b) } -> std::same_as<bool>;
+};
+
 /// What a robot sees of its teammates: `sense(robot, shot, fleet)` with its image of that number,
 /// where all robots are in truth. Asked for different robots at once, for each in the order of its
 /// images. Models: `MarkerSight`.

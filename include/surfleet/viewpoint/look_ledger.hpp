@@ -13,7 +13,7 @@
 #include <vector>
 
 #include <surfleet/core/types.hpp>
-#include <surfleet/mapping/voxel_grid.hpp>
+#include <surfleet/mapping/look_notes.hpp>
 #include <surfleet/viewpoint/left_reason.hpp>
 
 namespace surfleet {
@@ -27,60 +27,124 @@ struct LookLedgerOptions {
 /// Remembers the looks that should have completed incomplete elements and did not.
 ///
 /// What two voxels in each direction hold shares its looks: where surface cannot be completed,
-/// noise moves the elements about by a voxel, and none of them is new.
+/// noise moves the elements about by a voxel, and none of them is new. Looks are a set and failures
+/// sums, so that what others note is added in any order and taken away again without a trace: equal
+/// notes make equal ledgers.
 class LookLedger {
  public:
   explicit LookLedger(LookLedgerOptions options = {})
       : options_(options), same_side_(std::cos(options.same_side)) {}
 
+  // -- what comes in -----------------------------------------------------------------------------
   /// A look that should have been enough left the element incomplete; `direction` is the unit
   /// vector from it to the camera. Looks from the same place count as one.
   void looked_in_vain(const VoxelIndex& v, const Eigen::Vector3d& direction) {
-    std::vector<Eigen::Vector3d>& looks = entries_[key(v)].looks;
-    if (std::none_of(looks.begin(), looks.end(),
-                     [&](const Eigen::Vector3d& l) { return l.dot(direction) > kSamePlace; }))
-      looks.push_back(direction);
+    const VoxelKey place = look_place(v);
+    Entry& entry = entries_[place];
+    for (const auto& [look, times] : entry.looks)
+      if (unit_vector(look).dot(direction) > kSamePlace) return;
+    const LookDirection look = quantised(direction);
+    ++entry.looks[look];
+    news_.looks.push_back({place, look});
   }
   /// No path was found to a configuration that sees these: one failure for each place.
   void not_reached(std::span<const VoxelIndex> voxels) {
     std::set<VoxelKey> places;
-    for (const VoxelIndex& v : voxels) places.insert(key(v));
-    for (const VoxelKey& place : places) ++entries_[place].failures;
+    for (const VoxelIndex& v : voxels) places.insert(look_place(v));
+    for (const VoxelKey& place : places) {
+      int& failures = entries_[place].failures;
+      if (failures >= options_.max_failures) continue;
+      ++failures;
+      news_.failures.push_back({place, 1});
+    }
   }
+  /// What another robot of this kind has noted. O(n log n).
+  void add(const LookNotes& notes) { change(notes, 1); }
+  /// Takes away what was added, or noted here: what is left is as if it had never come. Throws
+  /// `Error`, and changes nothing, if it is not there.
+  void remove(const LookNotes& notes) {
+    for (const LookNotes::Look& l : notes.looks) {
+      const auto it = entries_.find(l.place);
+      require(it != entries_.end() && it->second.looks.contains(l.direction),
+              "looks in vain: expected some that were added");
+    }
+    for (const LookNotes::Failure& f : notes.failures) {
+      const auto it = entries_.find(f.place);
+      require(it != entries_.end() && it->second.failures >= f.count,
+              "failures: expected some that were added");
+    }
+    change(notes, -1);
+  }
+  /// What was noted here since the last call, for others.
+  LookNotes take_news() {
+    LookNotes news = merged_notes(std::span<const LookNotes>(&news_, 1));
+    news_ = {};
+    return news;
+  }
+  bool has_news() const { return !news_.empty(); }
 
-  /// How many sides were looked at in vain.
+  // -- what is held ------------------------------------------------------------------------------
+  /// How many looks were in vain.
   std::size_t looks(const VoxelIndex& v) const {
-    const auto it = entries_.find(key(v));
+    const auto it = entries_.find(look_place(v));
     return it == entries_.end() ? 0 : it->second.looks.size();
   }
   bool fresh(const VoxelIndex& v) const { return looks(v) == 0; }  ///< No look was in vain yet.
   /// Whether a look along this direction shows a side that was not looked at in vain.
   bool promises(const VoxelIndex& v, const Eigen::Vector3d& direction) const {
-    const auto it = entries_.find(key(v));
+    const auto it = entries_.find(look_place(v));
     if (it == entries_.end()) return true;
-    return std::none_of(it->second.looks.begin(), it->second.looks.end(),
-                        [&](const Eigen::Vector3d& l) { return l.dot(direction) > same_side_; });
+    return std::none_of(it->second.looks.begin(), it->second.looks.end(), [&](const auto& look) {
+      return unit_vector(look.first).dot(direction) > same_side_;
+    });
   }
   bool given_up(const VoxelIndex& v) const { return reason(v).has_value(); }
   /// Why nobody is sent there any more; nothing while it is worth another look.
   std::optional<LeftReason> reason(const VoxelIndex& v) const {
-    const auto it = entries_.find(key(v));
+    const auto it = entries_.find(look_place(v));
     if (it == entries_.end()) return std::nullopt;
-    if (static_cast<int>(it->second.looks.size()) >= options_.max_looks)
-      return LeftReason::seen_incomplete;
+    if (it->second.sides() >= options_.max_looks) return LeftReason::seen_incomplete;
     if (it->second.failures >= options_.max_failures) return LeftReason::unreachable;
     return std::nullopt;
   }
+  /// Whether the same was noted, by whomever and in whatever order.
+  bool operator==(const LookLedger& other) const { return entries_ == other.entries_; }
 
  private:
   struct Entry {
-    std::vector<Eigen::Vector3d> looks;
+    std::map<LookDirection, int> looks;  // how often each was noted
     int failures = 0;
+    bool operator==(const Entry&) const = default;
+    bool empty() const { return looks.empty() && failures == 0; }
+    /// Looks of several robots from the same place count as one, too.
+    int sides() const {
+      std::vector<Eigen::Vector3d> counted;
+      for (const auto& [look, times] : looks) {
+        const Eigen::Vector3d l = unit_vector(look);
+        if (std::none_of(counted.begin(), counted.end(),
+                         [&](const Eigen::Vector3d& c) { return c.dot(l) > kSamePlace; }))
+          counted.push_back(l);
+      }
+      return static_cast<int>(counted.size());
+    }
   };
+  void change(const LookNotes& notes, int sign) {
+    for (const LookNotes::Look& l : notes.looks) {
+      Entry& entry = entries_[l.place];
+      if ((entry.looks[l.direction] += sign) == 0) entry.looks.erase(l.direction);
+      if (entry.empty()) entries_.erase(l.place);
+    }
+    for (const LookNotes::Failure& f : notes.failures) {
+      Entry& entry = entries_[f.place];
+      entry.failures += sign * f.count;
+      if (entry.empty()) entries_.erase(f.place);
+    }
+  }
+
   static constexpr double kSamePlace = 0.98;  ///< Cosine of ten degrees.
-  static VoxelKey key(const VoxelIndex& v) { return {v.x() >> 1, v.y() >> 1, v.z() >> 1}; }
   LookLedgerOptions options_;
   double same_side_;
   std::map<VoxelKey, Entry> entries_;
+  LookNotes news_;  // not sorted
 };
 }  // namespace surfleet

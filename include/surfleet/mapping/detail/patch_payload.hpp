@@ -20,6 +20,9 @@
 ///    8. what passed (varints); 9. to 14. positions and normals, one coordinate after the other,
 ///    each a byte: what it exceeds that of the hit before of the same side by, modulo 256.
 ///
+/// Notes of looks follow: looks in vain, a place (3 × int32) and a direction (3 × int8) each;
+/// places that no way was found to see, each with how often (uint8).
+///
 /// A value is predicted from the seven voxels before it in x, y and z, of its own block or of those
 /// before: as if x, y and z added up (Lorenzo); where some were not seen, from those that were.
 #pragma once
@@ -344,5 +347,51 @@ inline std::vector<PatchBlock> get_patch_blocks(std::span<const std::byte> bytes
   means(&PatchHit::normal, SurfaceHit::kNormal);
   sound(in.remaining() == 0, "bytes after the last hit; expected the end");
   return blocks;
+}
+
+inline constexpr std::size_t kLookBytes = 3 * 4 + 3, kFailureBytes = 3 * 4 + 1;
+
+inline Bytes put_look_notes(const LookNotes& notes) {
+  ByteWriter out;
+  for (const LookNotes::Look& l : notes.looks) {
+    for (const int v : l.place) out.put(std::int32_t{v});
+    out.put(l.direction);
+  }
+  for (const LookNotes::Failure& f : notes.failures) {
+    for (const int v : f.place) out.put(std::int32_t{v});
+    out.put(f.count);
+  }
+  return out.take();
+}
+/// The notes but for their kind. `bytes` are as many as so many looks and failures take, which the
+/// caller has bounded. Throws `Error` that begins with `what` on notes that no robot makes.
+inline void get_look_notes(std::span<const std::byte> bytes, std::size_t looks,
+                           std::size_t failures, LookNotes& notes, const std::string& what) {
+  ByteReader in(bytes, what);
+  const auto sound = [&](bool ok, const char* why) {
+    if (!ok) throw Error(what + ": " + why);
+  };
+  const auto place = [&] {
+    VoxelKey p{};
+    for (int& v : p) {
+      v = in.get<std::int32_t>();
+      sound(v >= -(1 << 29) && v < 1 << 29, "look outside the grid");
+    }
+    return p;
+  };
+  notes.looks.reserve(looks);
+  for (std::size_t i = 0; i < looks; ++i) {
+    LookNotes::Look l{place(), in.get<LookDirection>()};
+    sound(is_look_direction(l.direction), "look without a direction");
+    sound(i == 0 || notes.looks.back() < l, "looks out of order; expected each once");
+    notes.looks.push_back(l);
+  }
+  notes.failures.reserve(failures);
+  for (std::size_t i = 0; i < failures; ++i) {
+    LookNotes::Failure f{place(), in.get<std::uint8_t>()};
+    sound(f.count > 0, "way that was sought and not missed");
+    sound(i == 0 || notes.failures.back().place < f.place, "ways out of order; expected each once");
+    notes.failures.push_back(f);
+  }
 }
 }  // namespace surfleet::detail

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+/// @file
+/// @brief What a robot's looks in vain and ways not found have told, in whole numbers, to be shared
+/// with its patches.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <vector>
+
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/types.hpp>
+#include <surfleet/mapping/voxel_grid.hpp>
+
+namespace surfleet {
+/// A unit vector in steps of a 127th.
+using LookDirection = std::array<std::int8_t, 3>;
+inline constexpr int kLookDirectionSteps = 127;
+
+/// Voxels of one place share their looks: two along each axis.
+inline constexpr int kLookPlaceVoxels = 2;
+inline VoxelKey look_place(const VoxelIndex& v) { return {v.x() >> 1, v.y() >> 1, v.z() >> 1}; }
+
+inline LookDirection quantised(const Eigen::Vector3d& unit) {
+  LookDirection q{};
+  for (int k = 0; k < 3; ++k)
+    q[static_cast<std::size_t>(k)] =
+        static_cast<std::int8_t>(std::round(unit[k] * kLookDirectionSteps));
+  return q;
+}
+/// Whether it can be that of a unit vector: rounding takes at most half a step off each coordinate.
+inline bool is_look_direction(const LookDirection& q) {
+  constexpr int kLess = kLookDirectionSteps - 1, kMore = kLookDirectionSteps + 1;
+  const int square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
+  return square >= kLess * kLess && square <= kMore * kMore;
+}
+inline Eigen::Vector3d unit_vector(const LookDirection& q) {
+  return Eigen::Vector3d(q[0], q[1], q[2]).normalized();
+}
+
+/// Since the robot's last patch.
+struct LookNotes {
+  /// A look that should have completed what is there and did not; `direction` is to the camera.
+  struct Look {
+    VoxelKey place{};
+    LookDirection direction{};
+    auto operator<=>(const Look&) const = default;
+  };
+  /// So many ways to see what is there were not found.
+  struct Failure {
+    VoxelKey place{};
+    std::uint8_t count = 0;
+    auto operator<=>(const Failure&) const = default;
+  };
+  std::uint32_t kind = 0;   ///< Of robot, as `kind_number` has it: others learn nothing by it.
+  std::vector<Look> looks;  ///< Each once, ascending.
+  std::vector<Failure> failures;  ///< Each place once, ascending.
+
+  bool empty() const { return looks.empty() && failures.empty(); }
+  bool operator==(const LookNotes&) const = default;
+};
+
+/// All looks, each once, and the sums of failures, at most 255 of a place. Throws `Error` on notes
+/// of different kinds. O(n log n).
+inline LookNotes merged_notes(std::span<const LookNotes> parts) {
+  LookNotes whole;
+  bool first = true;
+  std::set<LookNotes::Look> looks;
+  std::map<VoxelKey, int> failures;
+  for (const LookNotes& notes : parts) {
+    if (notes.empty()) continue;
+    if (first) whole.kind = notes.kind;
+    first = false;
+    require(notes.kind == whole.kind, "notes of looks: expected those of one kind of robot");
+    looks.insert(notes.looks.begin(), notes.looks.end());
+    for (const LookNotes::Failure& f : notes.failures) failures[f.place] += f.count;
+  }
+  whole.looks.assign(looks.begin(), looks.end());
+  for (const auto& [place, count] : failures)
+    whole.failures.push_back({place, static_cast<std::uint8_t>(std::min(count, 255))});
+  return whole;
+}
+/// The notes when their frame lies at `T_map_frame`; voxels are of `voxel_size` [m]. O(n log n).
+inline LookNotes moved_notes(const LookNotes& notes, const Pose& T_map_frame, double voxel_size) {
+  const double side = kLookPlaceVoxels * voxel_size;
+  const auto moved = [&](const VoxelKey& place) {
+    const Point3 centre(place[0] + 0.5, place[1] + 0.5, place[2] + 0.5);
+    const Point3 at = T_map_frame * Point3(side * centre) / side;
+    VoxelKey to{};
+    for (int k = 0; k < 3; ++k)
+      to[static_cast<std::size_t>(k)] = static_cast<int>(std::floor(at[k]));
+    return to;
+  };
+  LookNotes out{.kind = notes.kind, .looks = {}, .failures = {}};
+  for (const LookNotes::Look& l : notes.looks)
+    out.looks.push_back(
+        {moved(l.place), quantised(T_map_frame.linear() * unit_vector(l.direction))});
+  for (const LookNotes::Failure& f : notes.failures)
+    out.failures.push_back({moved(f.place), f.count});
+  return merged_notes(std::span<const LookNotes>(&out, 1));
+}
+}  // namespace surfleet
