@@ -60,6 +60,63 @@ TEST(matchings_are_as_large_as_can_be) {
   CHECK(check_matching(2, {}) == 0);
 }
 
+// Larger, against half the rank of a random skew-symmetric matrix over the edges (Tutte 1947,
+// Lovász 1979), modulo a prime: rings of odd length on one another, where first choices go wrong.
+TEST(matchings_have_half_the_rank_of_tutte_s_matrix) {
+  constexpr std::uint64_t kPrime = 1000000007;
+  const auto inverse = [](std::uint64_t a) {
+    std::uint64_t result = 1;
+    for (std::uint64_t e = kPrime - 2; e > 0; e /= 2, a = a * a % kPrime)
+      if (e % 2 == 1) result = result * a % kPrime;
+    return result;
+  };
+  Random random(12);
+  for (int round = 0; round < 250; ++round) {
+    Pairs edges;
+    std::int32_t n = 0;
+    while (n < 30 + round % 30) {
+      const auto ring = static_cast<std::int32_t>(3 + 2 * random.below(3));
+      for (std::int32_t k = 0; k < ring; ++k) edges.push_back({n + k, n + (k + 1) % ring});
+      n += ring;
+    }
+    const std::size_t joined = random.below(static_cast<std::size_t>(n));
+    for (std::size_t k = 0; k < joined; ++k) {
+      const auto a = static_cast<std::int32_t>(random.below(static_cast<std::size_t>(n))),
+                 b = static_cast<std::int32_t>(random.below(static_cast<std::size_t>(n)));
+      if (a != b) edges.push_back({a, b});
+    }
+    std::vector<std::int32_t> name(static_cast<std::size_t>(n));  // no order to hold on to
+    for (std::int32_t i = 0; i < n; ++i) name[static_cast<std::size_t>(i)] = i;
+    random.shuffle(name);
+    for (auto& [a, b] : edges) {
+      a = name[static_cast<std::size_t>(a)];
+      b = name[static_cast<std::size_t>(b)];
+    }
+    const auto size = static_cast<std::size_t>(n);
+    std::vector<std::vector<std::uint64_t>> m(size, std::vector<std::uint64_t>(size, 0));
+    for (const auto& [a, b] : edges) {
+      const std::uint64_t x = 1 + random.below(kPrime - 1);
+      m[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)] = x;
+      m[static_cast<std::size_t>(b)][static_cast<std::size_t>(a)] = kPrime - x;
+    }
+    std::size_t rank = 0;
+    for (std::size_t column = 0; column < size; ++column) {
+      std::size_t pivot = rank;
+      while (pivot < size && m[pivot][column] == 0) ++pivot;
+      if (pivot == size) continue;
+      std::swap(m[pivot], m[rank]);
+      for (std::size_t row = rank + 1; row < size; ++row) {
+        if (m[row][column] == 0) continue;
+        const std::uint64_t f = m[row][column] * inverse(m[rank][column]) % kPrime;
+        for (std::size_t k = column; k < size; ++k)
+          m[row][k] = (m[row][k] + (kPrime - f) * m[rank][k]) % kPrime;
+      }
+      ++rank;
+    }
+    CHECK(2 * static_cast<std::size_t>(check_matching(size, edges)) == rank);
+  }
+}
+
 TEST(cubic_graphs_without_bridges_match_whole) {
   // Petersen's graph, and a large ring of odd circles joined by rungs.
   CHECK(check_matching(10, {{0, 1},

@@ -116,7 +116,7 @@ TEST(feature_maps_of_an_l) {
   const std::vector<Point3> points = noisy_l(7, 0.003);
   const CloudTokens tokens = cloud_tokens(points);
   const FeatureMaps maps(tokens, 0.06, {.voxel = 0.03});
-  double best = 0.0;
+  double best = 0.0, sticks = 0.0, saliencies = 0.0;
   int edges = 0, crossed = 0, flat = 0, off = 0;
   for (std::size_t i = 0; i < maps.cells().size(); ++i) {
     const FeatureCell& c = maps.cells()[i];
@@ -138,12 +138,18 @@ TEST(feature_maps_of_an_l) {
                  : 0;
     }
     if (d > 0.13) CHECK(!c.edge);
+    if (d < 0.03) {
+      sticks += c.surface;
+      saliencies += c.saliency();
+    }
+    if (!c.edge) CHECK(c.saliency() == c.surface);
     if (!c.edge) continue;
     ++edges;
     crossed += between_lines(c.tangent, Eigen::Vector3d::UnitY()) < 6.0 ? 1 : 0;
   }
   CHECK(flat > 300 && off < flat / 20);
   CHECK(edges > 10 && crossed == edges);
+  CHECK(saliencies > 2.0 * sticks);  // in the fold the votes of two sheets, not their difference
   CHECK(maps.greatest_saliency() == best && best > 0.0);
   CHECK(maps.find({1000, 0, 0}) == -1);
   CHECK(!maps.near({0.2, 0, 0}, 0.05).empty() && maps.near({0.2, 0, 5}, 0.05).empty());

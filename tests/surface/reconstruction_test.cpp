@@ -190,6 +190,41 @@ TEST(moving_least_squares_distance_is_a_plane_s) {
   CHECK_THROWS(Error, field(cloud));
 }
 
+TEST(moving_least_squares_knows_where_it_knows_nothing) {
+  // So few points that many corners have less than three in reach.
+  for (std::uint64_t seed = 1; seed < 12; ++seed) {
+    Random random(seed);
+    PointCloud cloud;
+    for (int i = 0; i < 60; ++i) {
+      cloud.points.emplace_back(random.uniform(0, 0.8), random.uniform(0, 0.8),
+                                0.05 * random.normal());
+      cloud.normals.push_back(
+          Eigen::Vector3f(static_cast<float>(random.normal()), 0.0F, 1.0F).normalized());
+    }
+    bool finite = true;
+    MovingLeastSquares<> sparse;
+    sparse.options.support = 0.08;
+    for (const Point3& v : sparse(cloud).vertices) finite = finite && v.allFinite();
+    CHECK(finite);
+  }
+  // A plate, and a patch of a hundredth of it, which goes unless all are wanted.
+  PointCloud cloud;
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j) cloud.points.emplace_back(0.015 * i, 0.015 * j, 0.0);
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) cloud.points.emplace_back(2.0 + 0.015 * i, 0.015 * j, 0.0);
+  cloud.normals.assign(cloud.size(), Eigen::Vector3f::UnitZ());
+  MovingLeastSquares<> reconstruct;
+  CHECK(connected_components(reconstruct(cloud)).count == 1);
+  reconstruct.options.least_part = 0.0;
+  CHECK(connected_components(reconstruct(cloud)).count == 2);
+  // The kernel ends flat, and so does what a point has to say: no step in f as it leaves reach.
+  const WendlandKernel kernel;
+  CHECK_NEAR(kernel(0.0), 1.0, 1e-12);
+  CHECK_NEAR(kernel(0.5), 0.1875, 1e-12);
+  CHECK(kernel(0.999) < 1e-10);
+}
+
 TEST(small_parts_go_by_their_share) {
   TriangleMesh mesh = make_sphere(Point3::Zero(), 1.0, 2);
   append(mesh, make_box(Box3(Point3(3, 0, 0), Point3(4, 1, 1))));

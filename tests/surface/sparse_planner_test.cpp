@@ -76,6 +76,60 @@ TEST(quadrics_find_the_surface_they_were_sampled_from) {
         3e-3);
 }
 
+// A saddle over turned axes: all of Q counts, the mixed term with it.
+TEST(quadrics_know_a_saddle) {
+  Random random(8);
+  PointCloud saddle;
+  for (int i = 0; i < 3000; ++i) {
+    const double x = random.uniform(-0.3, 0.3), y = random.uniform(-0.3, 0.3);
+    saddle.points.emplace_back(x, y, 0.8 * x * y + 0.5 * x * x);
+    saddle.normals.push_back(
+        Eigen::Vector3d(-0.8 * y - x, -0.8 * x, 1.0).normalized().cast<float>());
+  }
+  const KdTree tree(saddle.points);
+  // No patch grows past what its noise allows, and this one's is of a size with the fourth order.
+  const auto patch = fit_quadric(saddle, tree, Point3::Zero(), {.noise = 1e-3});
+  CHECK(patch && patch->radius > 0.25);
+  for (const double a : {0.0, 0.7, 1.9, 3.3, 5.0}) {
+    const Point3 p(0.2 * std::cos(a), 0.2 * std::sin(a),
+                   0.8 * 0.04 * std::cos(a) * std::sin(a) + 0.02 * std::cos(a) * std::cos(a));
+    CHECK(std::abs(patch->distance(p)) < 2e-4);
+  }
+  // Points that do not count take no part in the residual.
+  PointCloud stray = saddle;
+  std::vector<double> saliency(saddle.size(), 1.0);
+  for (std::size_t i = 0; i < stray.size(); i += 3) {
+    stray.points[i].z() += 0.04;
+    saliency[i] = 0.0;
+  }
+  const KdTree stray_tree(stray.points);
+  const auto weighed = fit_quadric(stray, stray_tree, Point3::Zero(), {.noise = 1e-3}, saliency);
+  CHECK(weighed && weighed->radius > 0.25 && weighed->residual < 1e-3);
+}
+
+TEST(quadrics_keep_to_one_sheet_and_ask_for_spread) {
+  // The underside of a plate, 1 cm below, looks away from it.
+  Random random(9);
+  PointCloud plate;
+  for (int i = 0; i < 3000; ++i) {
+    const bool under = i % 3 == 0;
+    plate.points.emplace_back(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3),
+                              under ? -0.01 : 0.0);
+    plate.normals.emplace_back(0.0F, 0.0F, under ? -1.0F : 1.0F);
+  }
+  const KdTree tree(plate.points);
+  const auto patch = fit_quadric(plate, tree, Point3::Zero(), {.noise = 0.02});
+  CHECK(patch && std::abs(patch->distance(Point3(0.05, 0.05, 0.0))) < 1e-9);
+  // Points on two lines leave a curvature open.
+  PointCloud lines;
+  for (int i = -20; i <= 20; ++i)
+    for (const double y : {-0.01, 0.01}) {
+      lines.points.emplace_back(0.004 * i, y, 0.0);
+      lines.normals.emplace_back(0.0F, 0.0F, 1.0F);
+    }
+  CHECK(!fit_quadric(lines, KdTree(lines.points), Point3::Zero()).has_value());
+}
+
 TEST(quadrics_end_where_the_surface_is_none) {
   // A ridge of two planes: a patch on one of them ends before the ridge, none lies across it.
   const PointCloud ridge =
@@ -183,6 +237,83 @@ TEST(drives_heed_saliency) {
   };
   CHECK(highest(saliency) < 1e-9);
   CHECK(highest({}) > 1e-3);
+}
+
+// On a lattice with every point a sample, the tree is the shortest way over its own edges.
+TEST(trees_over_all_points_are_shortest) {
+  PointCloud plate;
+  const int side = 9;
+  Random random(3);
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      plate.points.emplace_back(0.1 * i + 0.03 * random.uniform(),
+                                0.1 * j + 0.03 * random.uniform(), 0.0);
+      plate.normals.push_back(Eigen::Vector3f::UnitZ());
+    }
+  SparsePlannerOptions options;
+  options.samples = 20000;
+  options.longest_edge = 0.17;
+  options.gamma = 10.0;  // so that the reach is the longest edge
+  options.gap = 0.2;
+  const SparsePlanner plan(plate, options);
+  const std::size_t n = plate.size();
+  double excess = 0.0;
+  int count = 0;
+  for (const std::size_t start : {std::size_t{0}, n / 2, n - 3}) {
+    std::vector<double> least(n, 1e300);  // relaxed until nothing changes
+    least[start] = 0.0;
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = 0; b < n; ++b) {
+          if (!plan.edge(static_cast<std::int32_t>(a), static_cast<std::int32_t>(b))) continue;
+          const double through = least[a] + (plate.points[a] - plate.points[b]).norm();
+          if (through >= least[b] - 1e-12) continue;
+          least[b] = through;
+          changed = true;
+        }
+    }
+    for (const std::size_t goal : {n - 1, n / 3, std::size_t{8}}) {
+      const auto path = plan(static_cast<std::int32_t>(start), static_cast<std::int32_t>(goal));
+      CHECK(path.has_value());
+      CHECK_NEAR(path->length, least[goal], 1e-9);
+      CHECK_NEAR(path->cost, path->length, 1e-9);
+      // With a few samples a point it is near: parents are the cheapest, and others are served.
+      for (options.seed = 1; options.seed <= 20; ++options.seed) {
+        options.samples = 3 * n;
+        const auto few = SparsePlanner(plate, options)(static_cast<std::int32_t>(start),
+                                                       static_cast<std::int32_t>(goal));
+        CHECK(few.has_value());
+        CHECK_NEAR(few->cost, few->length, 1e-9);
+        excess += few->length / least[goal] - 1.0;
+        ++count;
+      }
+    }
+  }
+  CHECK(excess / count < 0.0115);
+}
+
+// A slit in a plate is wider than the gap that an edge may pass.
+TEST(edges_do_not_span_a_slit) {
+  Random random(5);
+  PointCloud plates;
+  for (int i = 0; i < 4000; ++i) {
+    const double x = random.uniform(0.0, 1.0);
+    if (std::abs(x - 0.5) < 0.06) continue;
+    plates.points.emplace_back(x, random.uniform(0.0, 0.5), 0.0);
+    plates.normals.push_back(Eigen::Vector3f::UnitZ());
+  }
+  SparsePlannerOptions options;
+  options.longest_edge = 0.3;
+  const std::int32_t here = nearest_to(plates, Point3(0.2, 0.25, 0.0)),
+                     there = nearest_to(plates, Point3(0.8, 0.25, 0.0)),
+                     left = nearest_to(plates, Point3(0.4, 0.25, 0.0)),
+                     right = nearest_to(plates, Point3(0.6, 0.25, 0.0));
+  const SparsePlanner plan(plates, options);
+  CHECK(!plan.edge(left, right) && plan.edge(here, left));
+  CHECK(!plan(here, there).has_value());
+  options.gap = 0.2;
+  CHECK(SparsePlanner(plates, options)(here, there).has_value());
 }
 
 TEST(sparse_paths_do_not_jump) {

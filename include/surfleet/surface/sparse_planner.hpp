@@ -37,6 +37,7 @@ struct SparsePlannerOptions {
 struct SparsePath {
   std::vector<std::int32_t> points;
   double length = 0.0;    ///< [m]
+  double cost = 0.0;      ///< The length by the tree's own account [m].
   std::size_t nodes = 0;  ///< Of the tree.
 };
 
@@ -89,6 +90,7 @@ class SparsePlanner {
     if (t.parent[at(goal)] == -2) return std::nullopt;
     SparsePath path;
     path.nodes = t.count;
+    path.cost = t.cost[at(goal)];
     for (std::int32_t i = goal; i >= 0; i = t.parent[at(i)]) path.points.push_back(i);
     std::reverse(path.points.begin(), path.points.end());
     for (std::size_t i = 1; i < path.points.size(); ++i)
