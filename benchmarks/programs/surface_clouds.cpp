@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "support/cloud_navigation.hpp"
 #include "support/scanned_surface.hpp"
 #include "support/stopwatch.hpp"
+#include "surface_figures.hpp"
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/evaluation/statistics.hpp>
@@ -30,21 +30,11 @@ using namespace surfleet;
 using namespace surfleet::examples;
 constexpr double kScale = 0.06, kVoxel = 0.035, kDensity = 3600.0;
 
-std::uint64_t g_first = 101;
-int g_seeds = 20, g_pairs = 50;
+using benchmarks::Figure;
+benchmarks::Seeds g_seeds;
+int g_pairs = 50;
 bool g_begun = false;
 
-/// Values of one figure; printed as its mean, median, 95th percentile and worst.
-struct Figure {
-  std::vector<double> values;
-  void add(double v) { values.push_back(v); }
-  void print(const char* name) const {
-    if (values.empty()) return;
-    const Summary s = summarize(values);
-    std::printf(", \"%s\": {\"mean\": %.5g, \"median\": %.5g, \"p95\": %.5g, \"worst\": %.5g}",
-                name, s.mean, s.median, s.percentile_95, s.maximum);
-  }
-};
 void begin_row(const char* kind, const std::string& name) {
   std::printf("%s{\"%s\": \"%s\"", g_begun ? ",\n" : "", kind, name.c_str());
   g_begun = true;
@@ -59,7 +49,7 @@ double between_lines(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 double median(const std::vector<double>& values) { return summarize(values).median; }
 template <typename Use>
 void for_each_seed(const Use& use) {
-  for (int k = 0; k < g_seeds; ++k) use(g_first + static_cast<std::uint64_t>(k));
+  for (int k = 0; k < g_seeds.count; ++k) use(g_seeds.first + static_cast<std::uint64_t>(k));
 }
 
 /// The normal of least variance of the points within `radius` of a place.
@@ -339,13 +329,13 @@ double shadow_length(const cloud_navigation::Truth& truth, const SmoothPath& pat
 }
 
 struct CloudScene {
-  const char* name;
+  std::string name;
   const char* surface;
   double edge;               ///< Of the mesh [m].
   std::vector<double> from;  ///< Stations of the rotating lidar; none: samples.
 };
 
-void paths(const CloudScene& scene, const std::string& name) {
+void paths(const CloudScene& scene) {
   Figure plain, smooth, shadow, off, search, voting, cells_held;
   TrueCrossings met;
   std::size_t asked = 0, found_both = 0, differ = 0, compared = 0, no_path = 0, low = 0, steps = 0,
@@ -430,7 +420,7 @@ void paths(const CloudScene& scene, const std::string& name) {
       }
     }
   });
-  begin_row("paths", name);
+  begin_row("paths", scene.name);
   std::printf(
       ", \"pairs\": %zu, \"measured\": %zu, \"no_path\": %zu, \"compared_with_dijkstra\": %zu, "
       "\"found_otherwise\": %zu, \"cost_off_most\": %.3g, \"low_cells\": %zu, \"cells_entered\": "
@@ -498,7 +488,7 @@ void whole_time() {
 void simplification(const char* name, const TriangleMesh& mesh) {
   Figure time;
   TriangleMesh less;
-  for (int k = 0; k < std::min(5, g_seeds); ++k) {
+  for (int k = 0; k < std::min(5, g_seeds.count); ++k) {
     const auto begin = Clock::now();
     less = simplified(mesh, {.triangles = 1000});
     time.add(seconds_since(begin));
@@ -524,48 +514,54 @@ void simplification(const char* name, const TriangleMesh& mesh) {
   error.print("error_mm");
   end_row();
 }
-}  // namespace
 
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
+  cli::Options app("Normals, edges, paths and simplification of raw clouds. Prints JSON.");
   std::string only;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string option = argv[i];
-    if (option == "--seeds") g_seeds = std::max(1, std::atoi(argv[i + 1]));
-    if (option == "--pairs") g_pairs = std::max(10, std::atoi(argv[i + 1]));
-    if (option == "--first-seed") g_first = std::strtoull(argv[i + 1], nullptr, 10);
-    if (option == "--only") only = argv[i + 1];
-  }
+  g_seeds.declare(app);
+  app.add("--pairs", g_pairs, "starts and goals for each seed");
+  app.add("--only", only,
+          "orientation, cube, edges, paths, time, simplify, or paths:SCENE, as \"paths:torus, "
+          "samples\"");
+  app.parse(argc, argv);
+  g_seeds.check();
+  require(g_pairs >= 10, "--pairs: expected at least 10");
   const auto wanted = [&](const std::string& part) { return only.empty() || only == part; };
+  std::vector<double> inside_chest;
+  for (const Point3& p : scanned_surface::steam_chest_stations())
+    inside_chest.insert(inside_chest.end(), p.data(), p.data() + 3);
+  const std::vector<CloudScene> scenes{
+      {"slope, samples", "bumpy_slope", 0.02, {}},
+      {"torus, samples", "torus", 0.03, {}},
+      {"steam chest, samples", "steam_chest", 0.04, {}},
+      {"mock-up, samples", "mock_up", 0.03, {}},
+      {"slope, scans",
+       "bumpy_slope",
+       0.02,
+       {-0.3, 0.6, 1.2, 1.5, 0.6, 1.4, 0.6, -0.3, 1.2, 0.6, 1.5, 1.2}},
+      {"mock-up, scans", "mock_up", 0.03, {0.4, 0, 0, 1.4, 0, 0, 2.15, 0, 0, 0.95, 0, 0.3}},
+      {"steam chest, scans", "steam_chest", 0.04, inside_chest}};
+  std::vector<std::string> parts{"orientation", "cube", "edges", "paths", "time", "simplify"};
+  for (const CloudScene& scene : scenes) parts.push_back("paths:" + scene.name);
+  require(only.empty() || std::find(parts.begin(), parts.end(), only) != parts.end(),
+          "--only " + only + ": not known; expected one of those that --help tells");
   std::printf("[");
   if (wanted("orientation"))
     for (const double noise : {0.005, 0.018, 0.028}) orientation(noise);
   if (wanted("cube")) cube();
   if (wanted("edges")) folds();
-  std::vector<double> inside_chest;
-  for (const Point3& p : scanned_surface::steam_chest_stations())
-    inside_chest.insert(inside_chest.end(), p.data(), p.data() + 3);
-  const std::vector<CloudScene> scenes{
-      {"slope", "bumpy_slope", 0.02, {}},
-      {"torus", "torus", 0.03, {}},
-      {"steam chest", "steam_chest", 0.04, {}},
-      {"mock-up", "mock_up", 0.03, {}},
-      {"slope",
-       "bumpy_slope",
-       0.02,
-       {-0.3, 0.6, 1.2, 1.5, 0.6, 1.4, 0.6, -0.3, 1.2, 0.6, 1.5, 1.2}},
-      {"mock-up", "mock_up", 0.03, {0.4, 0, 0, 1.4, 0, 0, 2.15, 0, 0, 0.95, 0, 0.3}},
-      {"steam chest", "steam_chest", 0.04, inside_chest}};
-  for (const CloudScene& scene : scenes) {
-    std::string name = scene.name;
-    name += scene.from.empty() ? ", samples" : ", scans";
-    std::string part = "paths:";
-    part += name;
-    if (wanted("paths") || only == part) paths(scene, name);
-  }
+  for (const CloudScene& scene : scenes)
+    if (wanted("paths") || only == "paths:" + scene.name) paths(scene);
   if (wanted("time")) whole_time();
   if (wanted("simplify")) {
     simplification("sphere", make_sphere(Point3::Zero(), 1.0, 5));
     simplification("steam chest", clean_surface(steam_chest(0.036)));
   }
   std::printf("]\n");
+  return cli::kDone;
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  return cli::run("surface_clouds", [&] { return run(argc, argv); });
 }

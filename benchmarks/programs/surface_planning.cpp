@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <string>
 #include <utility>
@@ -14,9 +13,9 @@
 
 #include "support/scanned_surface.hpp"
 #include "support/stopwatch.hpp"
+#include "surface_figures.hpp"
 
 #include <surfleet/core/random.hpp>
-#include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/evaluation/surface_sampling.hpp>
 #include <surfleet/geometry/mesh_borders.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
@@ -29,17 +28,6 @@ namespace {
 using namespace surfleet;
 using namespace surfleet::examples;
 constexpr double kBlocked = std::numeric_limits<double>::infinity();
-
-void print(const char* name, const std::vector<double>& values) {
-  if (values.empty()) return;
-  const Summary s = summarize(values);
-  std::printf(", \"%s\": {\"mean\": %.5g, \"p95\": %.5g, \"worst\": %.5g}", name, s.mean,
-              s.percentile_95, s.maximum);
-}
-SurfacePoint random_point(const TriangleMesh& mesh, Random& random) {
-  Eigen::Vector3d w(random.uniform(0.02, 1), random.uniform(0.02, 1), random.uniform(0.02, 1));
-  return {static_cast<std::int32_t>(random.below(mesh.triangles.size())), w / w.sum()};
-}
 
 /// Openings of the steam chest with a border all round them, within 10 cm.
 int openings(const TriangleMesh& mesh, const std::vector<std::vector<std::int32_t>>& borders) {
@@ -68,44 +56,47 @@ int openings(const TriangleMesh& mesh, const std::vector<std::vector<std::int32_
   return open;
 }
 
-void reconstruction(const char* method, std::uint64_t first, int seeds) {
-  std::vector<double> error, missing, open, others, nonmanifold, time;
-  for (int k = 0; k < seeds; ++k) {
+void reconstruction(const char* method, const benchmarks::Seeds& seeds) {
+  benchmarks::Figure error, missing, others, nonmanifold, time;
+  std::vector<double> open;
+  for (int k = 0; k < seeds.count; ++k) {
     ScannedSurface s;
     s.scene = "steam_chest";
     s.reconstruct = method;
     s.noise = 0.018;
     s.edge = 0.02;
-    s.seed = first + static_cast<std::uint64_t>(k);
+    s.seed = seeds.first + static_cast<std::uint64_t>(k);
     nlohmann::json metrics;
     const TriangleMesh mesh = scanned_surface_mesh(s, metrics);
     const auto parts = mesh_borders(mesh);
-    error.push_back(100.0 * metrics["reconstruction_error_mean_m"].get<double>());
-    missing.push_back(100.0 * metrics["reconstruction_missing_p95_m"].get<double>());
-    time.push_back(metrics["reconstruction_time_s"].get<double>());
+    error.add(100.0 * metrics["reconstruction_error_mean_m"].get<double>());
+    missing.add(100.0 * metrics["reconstruction_missing_p95_m"].get<double>());
+    time.add(metrics["reconstruction_time_s"].get<double>());
     open.push_back(openings(mesh, parts));
-    others.push_back(static_cast<double>(parts.size()) - open.back());
-    nonmanifold.push_back(static_cast<double>(MeshAdjacency(mesh).non_manifold_edges().size()));
+    others.add(static_cast<double>(parts.size()) - open.back());
+    nonmanifold.add(static_cast<double>(MeshAdjacency(mesh).non_manifold_edges().size()));
   }
   std::printf("{\"reconstruction\": \"%s\", \"least_openings\": %.0f", method,
               *std::min_element(open.begin(), open.end()));
-  print("mean_error_cm", error);
-  print("missing_p95_cm", missing);
-  print("other_borders", others);
-  print("nonmanifold_edges", nonmanifold);
-  print("time_s", time);
+  error.print("mean_error_cm");
+  missing.print("missing_p95_cm");
+  others.print("other_borders");
+  nonmanifold.print("nonmanifold_edges");
+  time.print("time_s");
   std::printf("},\n");
   std::fflush(stdout);
 }
 
 /// A hundredth of the triangles blocked, anywhere or among the four hundredths about the robot.
-void replanning(const char* name, const TriangleMesh& mesh, bool near, std::uint64_t first,
-                int seeds) {
-  std::vector<double> share, again_ms, fresh_ms;
+void replanning(const char* name, const TriangleMesh& mesh, bool near,
+                const benchmarks::Seeds& seeds) {
+  std::vector<double> share;
+  benchmarks::Figure again_ms, fresh_ms;
   int differ = 0;
-  for (int k = 0; k < seeds; ++k) {
-    Random random(first + static_cast<std::uint64_t>(k));
-    const SurfacePoint start = random_point(mesh, random), goal = random_point(mesh, random);
+  for (int k = 0; k < seeds.count; ++k) {
+    Random random(seeds.first + static_cast<std::uint64_t>(k));
+    const SurfacePoint start = benchmarks::random_point(mesh, random),
+                       goal = benchmarks::random_point(mesh, random);
     StripReplanner plan(mesh, goal);
     const auto before = plan(start);
     if (!before) continue;
@@ -132,25 +123,26 @@ void replanning(const char* name, const TriangleMesh& mesh, bool near, std::uint
     if (again.has_value() != fresh.has_value() ||
         (fresh && std::abs(again->cost - fresh->cost) > 1e-9 * (1.0 + fresh->cost)))
       ++differ;
-    again_ms.push_back(1000.0 * spent);
-    fresh_ms.push_back(1000.0 * whole);
+    again_ms.add(1000.0 * spent);
+    fresh_ms.add(1000.0 * whole);
   }
   double a = 0.0, f = 0.0;
-  for (const double v : again_ms) a += v;
-  for (const double v : fresh_ms) f += v;
+  for (const double v : again_ms.values) a += v;
+  for (const double v : fresh_ms.values) f += v;
   std::printf(
       "{\"replanning\": \"%s\", \"triangles\": %zu, \"costs_that_differ\": %d, "
       "\"time_over_scratch\": %.4f",
       name, mesh.triangles.size(), differ, a / f);
-  print("again_ms", again_ms);
-  print("scratch_ms", fresh_ms);
+  again_ms.print("again_ms");
+  fresh_ms.print("scratch_ms");
   std::printf("},\n");
 }
 
-void covering(const char* name, const TriangleMesh& mesh, std::uint64_t first, int seeds) {
-  std::vector<double> split, places, covered;
-  for (int k = 0; k < seeds; ++k) {
-    Random random(first + static_cast<std::uint64_t>(k));
+void covering(const char* name, const TriangleMesh& mesh, const benchmarks::Seeds& seeds) {
+  benchmarks::Figure split, places;
+  std::vector<double> covered;
+  for (int k = 0; k < seeds.count; ++k) {
+    Random random(seeds.first + static_cast<std::uint64_t>(k));
     const auto start = static_cast<std::int32_t>(random.below(mesh.triangles.size()));
     const SingleStrip strip = single_strip(mesh, start);
     std::vector<std::uint8_t> seen(mesh.triangles.size(), 0);
@@ -158,26 +150,26 @@ void covering(const char* name, const TriangleMesh& mesh, std::uint64_t first, i
       seen[static_cast<std::size_t>(strip.source[static_cast<std::size_t>(t)])] = 1;
     const auto n = static_cast<double>(mesh.triangles.size());
     covered.push_back(static_cast<double>(std::count(seen.begin(), seen.end(), 1)) / n);
-    split.push_back(static_cast<double>(strip.split) / n);
-    places.push_back(static_cast<double>(strip.triangles.size()) /
-                     static_cast<double>(strip.mesh.triangles.size()));
+    split.add(static_cast<double>(strip.split) / n);
+    places.add(static_cast<double>(strip.triangles.size()) /
+               static_cast<double>(strip.mesh.triangles.size()));
   }
   std::printf("{\"covering\": \"%s\", \"triangles\": %zu, \"least_covered\": %.4f", name,
               mesh.triangles.size(), *std::min_element(covered.begin(), covered.end()));
-  print("split_share", split);
-  print("places_over_pieces", places);
+  split.print("split_share");
+  places.print("places_over_pieces");
   std::printf("},\n");
 }
 
 void tree(const char* name, const TriangleMesh& mesh, double density, bool last,
-          std::uint64_t first, int seeds) {
+          const benchmarks::Seeds& seeds) {
   const Bvh bvh(mesh);
   const SurfaceWalk walk(mesh);
   const GeodesicStrips strips(walk);
-  std::vector<double> ratio, time;
+  benchmarks::Figure ratio, time;
   int missed = 0;
-  for (int k = 0; k < seeds; ++k) {
-    const std::uint64_t seed = first + static_cast<std::uint64_t>(k);
+  for (int k = 0; k < seeds.count; ++k) {
+    const std::uint64_t seed = seeds.first + static_cast<std::uint64_t>(k);
     PointCloud cloud = sample_surface(mesh, {.density = density, .seed = seed}).cloud;
     cloud.normals = plane_normals(cloud.points);
     turn_consistently(cloud.points, 12, cloud.normals);
@@ -190,7 +182,7 @@ void tree(const char* name, const TriangleMesh& mesh, double density, bool last,
                  b = static_cast<std::int32_t>(random.below(cloud.size()));
       const auto begin = Clock::now();
       const auto path = plan(a, b);
-      time.push_back(seconds_since(begin));
+      time.add(seconds_since(begin));
       if (!path) {
         ++missed;
         continue;
@@ -198,38 +190,43 @@ void tree(const char* name, const TriangleMesh& mesh, double density, bool last,
       const auto from = nearest_surface_point(mesh, bvh, cloud.points[static_cast<std::size_t>(a)]),
                  to = nearest_surface_point(mesh, bvh, cloud.points[static_cast<std::size_t>(b)]);
       const auto shortest = strips(*from, *to);
-      if (shortest && shortest->length() > 0.2) ratio.push_back(path->length / shortest->length());
+      if (shortest && shortest->length() > 0.2) ratio.add(path->length / shortest->length());
     }
   }
   std::printf("{\"rrt_star\": \"%s\", \"missed\": %d", name, missed);
-  print("over_taut", ratio);
-  print("time_s", time);
+  ratio.print("over_taut");
+  time.print("time_s");
   std::printf("}%s\n", last ? "]" : ",");
+}
+
+int run(int argc, char** argv) {
+  cli::Options app(
+      "Meshes from scans, strips replanned and single, and RRT* over clouds. Prints JSON.");
+  benchmarks::Seeds seeds;
+  seeds.declare(app);
+  app.parse(argc, argv);
+  seeds.check();
+  std::printf("[");
+  const TriangleMesh slope = bumpy_slope({.edge = 0.02}), chest = clean_surface(steam_chest(0.04));
+  const TriangleMesh torus = make_torus(Point3::Zero(), 1.0, 0.4, 96, 38);
+  replanning("slope, 20 mm, anywhere", slope, false, seeds);
+  replanning("slope, 20 mm, about the robot", slope, true, seeds);
+  replanning("steam chest, anywhere", chest, false, seeds);
+  replanning("steam chest, about the robot", chest, true, seeds);
+  covering("slope, 20 mm", slope, seeds);
+  covering("slope with a hole, 50 mm", bumpy_slope({.edge = 0.05, .hole = true}), seeds);
+  covering("torus", torus, seeds);
+  covering("steam chest", chest, seeds);
+  const benchmarks::Seeds few{seeds.first, std::min(seeds.count, 5)};
+  reconstruction("mls", few);
+  reconstruction("ftm", few);
+  tree("slope", bumpy_slope({.edge = 0.05}), 3600.0, false, seeds);
+  tree("tube with a hole", holed_tube(), 3600.0, false, seeds);
+  tree("mock-up", mock_up(), 2000.0, true, seeds);
+  return cli::kDone;
 }
 }  // namespace
 
 int main(int argc, char** argv) {
-  int seeds = 20;
-  std::uint64_t first = 101;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string option = argv[i];
-    if (option == "--seeds") seeds = std::atoi(argv[i + 1]);
-    if (option == "--first-seed") first = std::strtoull(argv[i + 1], nullptr, 10);
-  }
-  std::printf("[");
-  const TriangleMesh slope = bumpy_slope({.edge = 0.02}), chest = clean_surface(steam_chest(0.04));
-  const TriangleMesh torus = make_torus(Point3::Zero(), 1.0, 0.4, 96, 38);
-  replanning("slope, 20 mm, anywhere", slope, false, first, seeds);
-  replanning("slope, 20 mm, about the robot", slope, true, first, seeds);
-  replanning("steam chest, anywhere", chest, false, first, seeds);
-  replanning("steam chest, about the robot", chest, true, first, seeds);
-  covering("slope, 20 mm", slope, first, seeds);
-  covering("slope with a hole, 50 mm", bumpy_slope({.edge = 0.05, .hole = true}), first, seeds);
-  covering("torus", torus, first, seeds);
-  covering("steam chest", chest, first, seeds);
-  reconstruction("mls", first, std::min(seeds, 5));
-  reconstruction("ftm", first, std::min(seeds, 5));
-  tree("slope", bumpy_slope({.edge = 0.05}), 3600.0, false, first, seeds);
-  tree("tube with a hole", holed_tube(), 3600.0, false, first, seeds);
-  tree("mock-up", mock_up(), 2000.0, true, first, seeds);
+  return cli::run("surface_planning", [&] { return run(argc, argv); });
 }

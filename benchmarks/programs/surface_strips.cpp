@@ -9,16 +9,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "cgal_mesh.hpp"
 #include "support/stopwatch.hpp"
+#include "surface_figures.hpp"
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/coverage/covering_strip.hpp>
-#include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/geometry/clean_surface.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
 #include <surfleet/simulation/steam_chest.hpp>
@@ -45,35 +44,20 @@ Exact::Face_location location(const Mesh& other, const TriangleMesh& mesh, const
     ++k;
   return {face, {at.weights[k], at.weights[(k + 1) % 3], at.weights[(k + 2) % 3]}};
 }
-SurfacePoint random_point(const TriangleMesh& mesh, Random& random) {
-  Eigen::Vector3d w(random.uniform(0.02, 1), random.uniform(0.02, 1), random.uniform(0.02, 1));
-  return {static_cast<std::int32_t>(random.below(mesh.triangles.size())), w / w.sum()};
-}
-struct Figures {
-  std::vector<double> values;
-  void add(double v) { values.push_back(v); }
-  void print(const char* name) const {
-    if (values.empty()) return;
-    const Summary s = summarize(values);
-    std::printf(", \"%s\": {\"mean\": %.5g, \"p95\": %.5g, \"worst\": %.5g}", name, s.mean,
-                s.percentile_95, s.maximum);
-  }
-};
-
-void measure(const char* name, const TriangleMesh& mesh, std::uint64_t first, int seeds, int pairs,
+void measure(const char* name, const TriangleMesh& mesh, const benchmarks::Seeds& seeds, int pairs,
              bool exact) {
   const SurfaceWalk walk(mesh);
   const GeodesicStrips strips(walk);
   const Mesh other = exact ? benchmarks::cgal_mesh(mesh) : Mesh();
-  Figures ratio, query, field_ratio, squarely_ratio, rms, worst;
+  benchmarks::Figure ratio, query, field_ratio, squarely_ratio, rms, worst;
   std::size_t shared = 0, breaks = 0, left = 0, unreached = 0, drives = 0;
-  for (int seed = 0; seed < seeds; ++seed) {
-    Random random(first + static_cast<std::uint64_t>(seed));
-    const SurfacePoint start = random_point(mesh, random);
+  for (int seed = 0; seed < seeds.count; ++seed) {
+    Random random(seeds.first + static_cast<std::uint64_t>(seed));
+    const SurfacePoint start = benchmarks::random_point(mesh, random);
     Exact solver(other);
     if (exact) solver.add_source_point(location(other, mesh, start));
     for (int k = 0; k < pairs; ++k) {
-      const SurfacePoint goal = random_point(mesh, random);
+      const SurfacePoint goal = benchmarks::random_point(mesh, random);
       const auto begin = Clock::now();
       const auto path = strips(start, goal);
       query.add(1000.0 * (seconds_since(begin)));
@@ -107,7 +91,7 @@ void measure(const char* name, const TriangleMesh& mesh, std::uint64_t first, in
       TrackOptions options;
       options.position_noise = 0.01;
       options.heading_noise = radians(1.0);
-      options.seed = first + static_cast<std::uint64_t>(seed * pairs + k);
+      options.seed = seeds.first + static_cast<std::uint64_t>(seed * pairs + k);
       const TrackedDrive tracked =
           track_path(walk, *path, FrontDriveBicycle{},
                      surface_pose(mesh, path->start, path->points[1] - path->points[0]), options);
@@ -128,26 +112,31 @@ void measure(const char* name, const TriangleMesh& mesh, std::uint64_t first, in
       static_cast<double>(shared) / static_cast<double>(std::max<std::size_t>(1, shared + breaks)));
   std::fflush(stdout);
 }
+
+int run(int argc, char** argv) {
+  cli::Options app("Triangle strips over meshes against exact geodesics. Prints JSON.");
+  benchmarks::Seeds seeds;
+  int pairs = 50;
+  seeds.declare(app);
+  app.add("--pairs", pairs, "starts and goals for each seed");
+  app.parse(argc, argv);
+  seeds.check();
+  require(pairs >= 1, "--pairs: expected at least 1");
+  std::printf("[");
+  measure("bumpy slope, 50 mm", bumpy_slope({.edge = 0.05}), seeds, pairs, true);
+  std::printf(",\n");
+  measure("bumpy slope, 10 mm", bumpy_slope({.edge = 0.01}), seeds, pairs, true);
+  std::printf(",\n");
+  measure("torus", make_torus(Point3::Zero(), 1.0, 0.4, 96, 38), seeds, pairs, true);
+  std::printf(",\n");
+  measure("steam chest, 40 mm", clean_surface(steam_chest(0.04)), seeds, pairs, true);
+  std::printf(",\n");
+  measure("steam chest, 20 mm", clean_surface(steam_chest(0.02)), seeds, pairs, false);
+  std::printf("]\n");
+  return cli::kDone;
+}
 }  // namespace
 
 int main(int argc, char** argv) {
-  int seeds = 20, pairs = 50;
-  std::uint64_t first = 101;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string option = argv[i];
-    if (option == "--seeds") seeds = std::atoi(argv[i + 1]);
-    if (option == "--pairs") pairs = std::atoi(argv[i + 1]);
-    if (option == "--first-seed") first = std::strtoull(argv[i + 1], nullptr, 10);
-  }
-  std::printf("[");
-  measure("bumpy slope, 50 mm", bumpy_slope({.edge = 0.05}), first, seeds, pairs, true);
-  std::printf(",\n");
-  measure("bumpy slope, 10 mm", bumpy_slope({.edge = 0.01}), first, seeds, pairs, true);
-  std::printf(",\n");
-  measure("torus", make_torus(Point3::Zero(), 1.0, 0.4, 96, 38), first, seeds, pairs, true);
-  std::printf(",\n");
-  measure("steam chest, 40 mm", clean_surface(steam_chest(0.04)), first, seeds, pairs, true);
-  std::printf(",\n");
-  measure("steam chest, 20 mm", clean_surface(steam_chest(0.02)), first, seeds, pairs, false);
-  std::printf("]\n");
+  return cli::run("surface_strips", [&] { return run(argc, argv); });
 }

@@ -14,6 +14,7 @@
 #include "support/cli.hpp"
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/text_scanner.hpp>
 #include <surfleet/motion/kinematics.hpp>
@@ -240,9 +241,7 @@ class InspectionOptions {
         app.add("--least-gain", settings.end.least_gain,
                 "drones fly home when no route gains so much for a metre flown, as its planner "
                 "counts it [m^2/m]; 0: when there is nothing left to do; default: " +
-                    std::string(program == InspectionProgram::mission
-                                    ? "0.05 times the range by surfleet, else 0"
-                                    : "0"));
+                    (program == InspectionProgram::mission ? default_least_gain() : "0"));
         app.add("--coverage-goal", settings.end.coverage_goal,
                 "all fly home at this share by the mission's own account, 0 to 1");
       }
@@ -309,6 +308,13 @@ class InspectionOptions {
   }
 
  private:
+  static std::string default_least_gain() {
+    std::string shares;
+    for (const NamedPlanner& p : kPlanners)
+      if (p.enough > 0.0)
+        shares += format_number(p.enough, 2) + " times the range by " + std::string(p.name) + ", ";
+    return shares + "else 0";
+  }
   static std::optional<double> parse_floor(const std::string& text) {
     if (text.empty()) return std::nullopt;
     if (text == "none") return -std::numeric_limits<double>::infinity();

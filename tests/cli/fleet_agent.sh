@@ -6,17 +6,6 @@ set -eu
 domain=$((1 + $$ % 200))
 common=(--scene house --seed 3 --wait-for-team 400 --quiet)
 agent=("$bin/fleet_agent" "${common[@]}" --robots 2 --domain "$domain" --team "t$$")
-# until SECONDS COMMAND...: waits for it to be true.
-until_true() {
-  local tries=$((10 * $1))
-  shift
-  for _ in $(seq "$tries"); do
-    "$@" && return 0
-    sleep 0.1
-  done
-  return 1
-}
-lines() { [ -e "$1" ] && [ "$(wc -l <"$1")" -ge "$2" ]; }
 
 # -- what is refused --------------------------------------------------------------------------------
 refuse_any() { refused fleet_agent "${common[@]}" --out out "$@"; }

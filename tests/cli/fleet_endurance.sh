@@ -7,13 +7,7 @@ domain=$((1 + $$ % 200))
 agent=("$bin/fleet_agent" --scene house --seed 3 --quiet --robots 3 --wait-for-team 400 --team "e$$")
 trap 'kill -9 $(jobs -pr) 2>/dev/null || true; rm -rf "$work"' EXIT
 # flown FOLDER LINES: waits until a robot's trajectory has so many.
-flown() {
-  for _ in $(seq 1200); do
-    [ -e "$1/trajectory.tum" ] && [ "$(wc -l <"$1/trajectory.tum")" -ge "$2" ] && return 0
-    sleep 0.1
-  done
-  fail "robot $1 does not fly"
-}
+flown() { until_true 120 lines "$1/trajectory.tum" "$2" || fail "robot $1 does not fly"; }
 judge() {
   "${agent[@]}" --domain $domain --collect 1 2 3 --out team >team.txt || fail "$(cat team.txt)"
   [ "$(value team complete)" = true ] && [ "$(value team maps_equal)" = true ] || fail "$(cat team.txt)"

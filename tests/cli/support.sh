@@ -26,3 +26,17 @@ refused() {
       "$(wc -c <stdout.txt) bytes on stdout; $(ls -d out 2>/dev/null)"
   fi
 }
+
+# until_true SECONDS COMMAND...: waits for it to be true; fails if it is not by then.
+until_true() {
+  local tries=$((10 * $1))
+  shift
+  for _ in $(seq "$tries"); do
+    "$@" && return 0
+    sleep 0.1
+  done
+  return 1
+}
+
+# lines FILE NUMBER: whether it has so many, or more.
+lines() { [ -e "$1" ] && [ "$(wc -l <"$1")" -ge "$2" ]; }

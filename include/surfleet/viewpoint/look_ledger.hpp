@@ -103,7 +103,9 @@ class LookLedger {
   std::optional<LeftReason> reason(const VoxelIndex& v) const {
     const auto it = entries_.find(look_place(v));
     if (it == entries_.end()) return std::nullopt;
-    if (it->second.sides() >= options_.max_looks) return LeftReason::seen_incomplete;
+    const auto most = static_cast<std::size_t>(std::max(options_.max_looks, 0));
+    if (it->second.looks.size() >= most && it->second.sides() >= most)
+      return LeftReason::seen_incomplete;
     if (it->second.failures >= options_.max_failures) return LeftReason::unreachable;
     return std::nullopt;
   }
@@ -117,7 +119,7 @@ class LookLedger {
     bool operator==(const Entry&) const = default;
     bool empty() const { return looks.empty() && failures == 0; }
     /// Looks of several robots from the same place count as one, too.
-    int sides() const {
+    std::size_t sides() const {
       std::vector<Eigen::Vector3d> counted;
       for (const auto& [look, times] : looks) {
         const Eigen::Vector3d l = unit_vector(look);
@@ -125,7 +127,7 @@ class LookLedger {
                          [&](const Eigen::Vector3d& c) { return c.dot(l) > kSamePlace; }))
           counted.push_back(l);
       }
-      return static_cast<int>(counted.size());
+      return counted.size();
     }
   };
   void change(const LookNotes& notes, int sign) {
