@@ -3,6 +3,7 @@
 /// @brief `surface_navigation --method dense`: from a raw cloud, or samples of a scene, to a path.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include <surfleet/adapters/png_writer.hpp>
+#include <surfleet/core/disjoint_sets.hpp>
 #include <surfleet/evaluation/rasterizer.hpp>
 #include <surfleet/evaluation/report.hpp>
 #include <surfleet/evaluation/statistics.hpp>
@@ -180,6 +182,36 @@ inline nlohmann::json token_quality(const CloudTokens& cloud, const Truth& surfa
   return q;
 }
 
+/// The centres of the most surface cells that steps of a planner join, whatever its turns; a scan
+/// of the open has many small parts beside it.
+struct LargestPart {
+  std::vector<std::int32_t> cells;
+  KdTree tree;
+
+  explicit LargestPart(const DensePlanner& planner) {
+    const FeatureMaps& maps = planner.maps();
+    DisjointSets parts(maps.cells().size());
+    std::vector<std::int32_t> surface;
+    for (std::int32_t c = 0; c < static_cast<std::int32_t>(maps.cells().size()); ++c) {
+      if (!planner.is_surface(c)) continue;
+      surface.push_back(c);
+      for (int h = 0; h < DensePlanner::kHeadings; ++h)
+        if (const std::int32_t to = planner.neighbor(c, h); to >= 0) parts.unite(c, to);
+    }
+    std::vector<std::size_t> size(maps.cells().size(), 0);
+    for (const std::int32_t c : surface) ++size[static_cast<std::size_t>(parts.find(c))];
+    const auto most =
+        static_cast<std::int32_t>(std::max_element(size.begin(), size.end()) - size.begin());
+    std::vector<Point3> at;
+    for (const std::int32_t c : surface) {
+      if (parts.find(c) != most) continue;
+      cells.push_back(c);
+      at.push_back(maps[c].position);
+    }
+    tree = KdTree(at);
+  }
+};
+
 inline Pose body_pose(const OrientedPoint& at, const Eigen::Vector3d& ahead) {
   Pose T = Pose::Identity();
   Eigen::Vector3d x = ahead - ahead.dot(at.normal) * at.normal;
@@ -238,11 +270,13 @@ inline int navigate_cloud(const CloudNavigation& s) {
     require(cell.has_value(), text);
     return *cell;
   };
-  const auto end = [&](double share) {  // the cell nearest to a place on the box's diagonal
-    const auto cell =
-        planner.cell_at(box.center() + (share - 0.5) * box.sizes(), box.diagonal().norm() + voxel);
-    require(cell.has_value(), "no cell of the cloud is surface; expected a denser cloud");
-    return *cell;
+  const LargestPart part(planner);
+  require(!part.cells.empty(), "no cell of the cloud is surface; expected a denser cloud");
+  Box3 around;
+  for (const std::int32_t c : part.cells) around.extend(maps[c].position);
+  const auto end = [&](double share) {  // of its box's diagonal
+    const auto near = part.tree.nearest(around.center() + (share - 0.5) * around.sizes());
+    return part.cells[static_cast<std::size_t>(near->index)];
   };
   const auto [start, goals] = route_ends(s.start, s.goal, place, end);
   const auto out = cli::prepare_output_folder(s.out);

@@ -246,8 +246,8 @@ TEST(trees_over_all_points_are_shortest) {
   Random random(3);
   for (int i = 0; i < side; ++i)
     for (int j = 0; j < side; ++j) {
-      plate.points.emplace_back(0.1 * i + 0.03 * random.uniform(),
-                                0.1 * j + 0.03 * random.uniform(), 0.0);
+      const double x = 0.1 * i + 0.03 * random.uniform();
+      plate.points.emplace_back(x, 0.1 * j + 0.03 * random.uniform(), 0.0);
       plate.normals.push_back(Eigen::Vector3f::UnitZ());
     }
   SparsePlannerOptions options;
@@ -290,7 +290,8 @@ TEST(trees_over_all_points_are_shortest) {
       }
     }
   }
-  CHECK(excess / count < 0.0115);
+  // 0.010 to 0.013 over eight plates; 0.029 and more without serving others.
+  CHECK(excess / count < 0.018);
 }
 
 // A slit in a plate is wider than the gap that an edge may pass.

@@ -106,6 +106,12 @@ class DensePlanner {
     return maps_[cell].saliency() > least * maps_.greatest_saliency();
   }
 
+  /// The surface cell that a step along a heading leads to from a cell; −1 where there is none.
+  std::int32_t neighbor(std::int32_t cell, int heading) const {
+    return neighbor_[static_cast<std::size_t>(cell) * kHeadings +
+                     static_cast<std::size_t>(heading)];
+  }
+
   /// @name The graph, for shortest_paths
   /// @{
   std::size_t size() const { return maps_.cells().size() * kHeadings; }
