@@ -118,13 +118,15 @@ Arguments arguments(int argc, char** argv) {
   return a;
 }
 
-TeamAgreement agreement(const Arguments& a, const SurfaceBeliefOptions& belief) {
+TeamAgreement agreement(const Arguments& a, const SurfaceBeliefOptions& belief,
+                        const AnyPacker& packer) {
   return {.team = a.team,
           .robot = a.robot(),
           .robots = static_cast<std::uint32_t>(a.settings.robots),
           .voxel = belief.voxel_size,
           .truncation = belief.tsdf.truncation,
-          .known_weight = belief.known_weight};
+          .known_weight = belief.known_weight,
+          .packing = packer.packing()};
 }
 
 /// Who of the team is there. Throws `Error` if somebody is there with whom one cannot fly.
@@ -175,7 +177,8 @@ class FlyingAgent {
         robot_(id_, options_.kind, body_, options_.belief, agent_options(),
                options_.start_clearance,
                make_planner(a.settings.planner, a.settings.planner_settings()),
-               distributed(inputs.distributed.agent, agreed)),
+               limited(distributed(inputs.distributed.agent, agreed), options_.limits),
+               inputs.distributed.packer),
         network_(inputs.distributed.network, DdsTransport(team), {id_}),
         bodies_(std::move(team)),
         end_({.linger = TeamEndOptions{}.linger + a.stay, .memory = a.settings.wait_for_team}),
@@ -207,6 +210,7 @@ class FlyingAgent {
   void close(double now, bool over) {
     record_.close(now, robot_.belief(), robot_.plans().impossible());
     record_.add_planning_robot(robot_, over);
+    record_.result.left_out = robot_.plans().left_out();
     record_.result.complete = record_.result.stop_reasons.front() == StopReason::complete;
   }
 
@@ -357,7 +361,8 @@ int fly(const Arguments& a) {
   // Whatever can be refused is refused before the first file is made.
   const InspectionInputs inputs = read_inputs(s);
   require_room(a.out);
-  const TeamAgreement agreed = agreement(a, mission_options(s, site).belief);
+  const TeamAgreement agreed =
+      agreement(a, mission_options(s, site).belief, inputs.distributed.packer);
   const auto team = std::make_shared<DdsTeam>(
       a.robot(), DdsOptions{.domain = static_cast<std::uint32_t>(a.domain),
                             .team = a.team,

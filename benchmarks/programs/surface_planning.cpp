@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "steam_chest_openings.hpp"
 #include "support/scanned_surface.hpp"
 #include "support/stopwatch.hpp"
 #include "surface_figures.hpp"
@@ -29,33 +30,6 @@ using namespace surfleet;
 using namespace surfleet::examples;
 constexpr double kBlocked = std::numeric_limits<double>::infinity();
 
-/// Openings of the steam chest with a border all round them, within 10 cm.
-int openings(const TriangleMesh& mesh, const std::vector<std::vector<std::int32_t>>& borders) {
-  int open = 0;
-  const auto count = [&](const Point3& at, const Eigen::Vector3d& axis, double radius) {
-    for (const auto& border : borders) {
-      std::vector<int> sectors(12, 0);
-      const Eigen::Vector3d n = axis.normalized(), u = n.unitOrthogonal(), v = n.cross(u);
-      for (const std::int32_t vertex : border) {
-        const Eigen::Vector3d d = mesh.vertices[static_cast<std::size_t>(vertex)] - at;
-        if (std::abs(d.dot(n)) > 0.1 || std::abs(std::hypot(d.dot(u), d.dot(v)) - radius) > 0.1)
-          continue;
-        const double turn = (std::atan2(d.dot(v), d.dot(u)) + kPi) / (2.0 * kPi);
-        sectors[std::min<std::size_t>(11, static_cast<std::size_t>(12.0 * turn))] = 1;
-      }
-      if (std::count(sectors.begin(), sectors.end(), 1) == 12) {
-        ++open;
-        return;
-      }
-    }
-  };
-  for (const Tube& t : steam_chest_tubes()) {
-    if (t.open_a) count(t.a, t.a - t.b, t.radius_a);
-    if (t.open_b) count(t.b, t.b - t.a, t.radius_b);
-  }
-  return open;
-}
-
 void reconstruction(const char* method, const benchmarks::Seeds& seeds) {
   benchmarks::Figure error, missing, others, nonmanifold, time;
   std::vector<double> open;
@@ -72,7 +46,7 @@ void reconstruction(const char* method, const benchmarks::Seeds& seeds) {
     error.add(100.0 * metrics["reconstruction_error_mean_m"].get<double>());
     missing.add(100.0 * metrics["reconstruction_missing_p95_m"].get<double>());
     time.add(metrics["reconstruction_time_s"].get<double>());
-    open.push_back(openings(mesh, parts));
+    open.push_back(benchmarks::steam_chest_openings(mesh, parts));
     others.add(static_cast<double>(parts.size()) - open.back());
     nonmanifold.add(static_cast<double>(MeshAdjacency(mesh).non_manifold_edges().size()));
   }

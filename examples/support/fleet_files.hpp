@@ -5,7 +5,7 @@
 ///
 ///     loss = 0.3                        killed = ["2 at 120"]
 ///     latency = 0.5                     vanished = ["5 at 60.5"]
-///     bandwidth = 1e6
+///     bandwidth = 1e6                   restarted = ["2 at 180"]
 ///     partition = ["60 to 200: 1 2 | 3 4 5"]
 ///     cut = ["10 to 20: 1 > 3"]
 ///     line-of-sight = true
@@ -162,14 +162,17 @@ inline std::vector<FleetEvent> fleet_events(const std::string& file, int robots)
   std::vector<FleetEvent> events;
   if (file.empty()) return events;
   fleet_files::read("--events", file, "a file", [&](cli::Options& o, std::istream& in) {
-    std::vector<std::string> killed, vanished;
+    std::vector<std::string> killed, vanished, restarted;
     o.add("--killed", killed, "");
     o.add("--vanished", vanished, "");
+    o.add("--restarted", restarted, "");
     o.parse_config(in);
     for (const std::string& e : killed)
       events.push_back(fleet_files::event(e, FleetEvent::Kind::killed, robots));
     for (const std::string& e : vanished)
       events.push_back(fleet_files::event(e, FleetEvent::Kind::vanished, robots));
+    for (const std::string& e : restarted)
+      events.push_back(fleet_files::event(e, FleetEvent::Kind::restarted, robots));
   });
   return events;
 }

@@ -16,6 +16,7 @@
 #include "support/peak_memory.hpp"
 #include "support/recorded_world.hpp"
 
+#include <surfleet/adapters/zstd_codec.hpp>
 #include <surfleet/evaluation/observable_surface.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/mapping/map_file.hpp>
@@ -214,6 +215,7 @@ InspectionInputs read_inputs(const InspectionSettings& s) {
   DistributedOptions& o = in.distributed;
   o.network = network_conditions(s.network, s.robots, s.seed);
   o.events = fleet_events(s.events, s.robots);
+  o.packer = ZstdPacker{};
   o.agent.patch_images = static_cast<std::uint32_t>(s.patch_images);
   o.agent.memory_of_lost = s.wait_for_team;
   o.agent.redundancy.radius = 0.5 * s.cluster_radius;

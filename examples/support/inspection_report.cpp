@@ -31,7 +31,10 @@ std::string doubts(const InspectionJudgement& judged) {
 namespace {
 /// What a distributed fleet has besides.
 nlohmann::json network_metrics(const InspectionSettings& s, const DistributedResult& d) {
-  nlohmann::json lost = nlohmann::json::array();
+  nlohmann::json lost = nlohmann::json::array(), catch_ups = lost;
+  for (const CatchUp& c : d.catch_ups)
+    catch_ups.push_back(
+        {{"from_s", c.from}, {"took_s", c.took ? nlohmann::json(*c.took) : nullptr}});
   for (const RobotId r : d.lost) lost.push_back(r + 1);
   return {
       {"network", s.network},
@@ -44,7 +47,14 @@ nlohmann::json network_metrics(const InspectionSettings& s, const DistributedRes
                             [&](auto k) { return d.dropped[static_cast<std::size_t>(k)]; })},
       {"redundant_stops", d.redundant_stops},
       {"maps_equal", d.maps_equal},
+      {"caught_up", catch_ups},
       {"lost_robots", lost}};
+}
+/// What a centralised fleet says to its centre: all send as many images.
+nlohmann::json central_metrics(const InspectionSettings& s, const CentralTraffic& t) {
+  const auto robots = static_cast<std::size_t>(s.robots);
+  return {{"bytes_sent", std::vector<std::uint64_t>(robots, (t.images + t.poses) / robots)},
+          {"bytes_sent_by_kind", {{"image", t.images}, {"pose", t.poses}, {"route", t.routes}}}};
 }
 }  // namespace
 
@@ -112,7 +122,10 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
       {"images", run.result.images},
       {"plans", run.result.plans},
       {"emergency_stops", run.result.emergency_stops}};
-  if (run.distributed) metrics.update(network_metrics(s, *run.distributed));
+  if (run.distributed)
+    metrics.update(network_metrics(s, *run.distributed));
+  else if (s.robots > 1)
+    metrics.update(central_metrics(s, run.result.traffic));
   return metrics;
 }
 

@@ -237,14 +237,12 @@ class InspectionOptions {
     if (explores) {
       app.begin_group("End of the mission");
       app.add("--max-time", settings.max_time, "the mission ends at this time [s]");
-      if (!agent) {
-        app.add("--least-gain", settings.end.least_gain,
-                "drones fly home when no route gains so much for a metre flown, as its planner "
-                "counts it [m^2/m]; 0: when there is nothing left to do; default: " +
-                    (program == InspectionProgram::mission ? default_least_gain() : "0"));
-        app.add("--coverage-goal", settings.end.coverage_goal,
-                "all fly home at this share by the mission's own account, 0 to 1");
-      }
+      app.add("--least-gain", settings.end.least_gain,
+              "drones fly home when no route gains so much for a metre flown, as its planner "
+              "counts it [m^2/m]; 0: when there is nothing left to do; default: " +
+                  (program == InspectionProgram::mission ? default_least_gain() : "0"));
+      app.add("--coverage-goal", settings.end.coverage_goal,
+              "drones fly home at this share by their own account, 0 to 1");
       app.add("--endurance-m", settings.end.endurance.distance,
               "a drone is back at its start before it has flown so far [m]");
       app.add("--endurance-s", settings.end.endurance.time,
@@ -300,8 +298,7 @@ class InspectionOptions {
                                  keep_out_.begin() + static_cast<std::ptrdiff_t>(i + 6)},
                                 "--keep-out"));
     // Trials compare planners, of which not all say what their routes gain.
-    if (program_ == InspectionProgram::mission && s.architecture != "distributed" &&
-        !app_.was_given("--least-gain"))
+    if (program_ == InspectionProgram::mission && !app_.was_given("--least-gain"))
       s.end.least_gain = planner_by_name(s.planner).enough * s.farthest;
     check(s);
     return s;
@@ -387,10 +384,8 @@ class InspectionOptions {
     const bool distributed = a == "distributed";
     require(distributed || (s.network == "perfect" && s.events.empty()),
             "--network, --events: expected --architecture distributed with them");
-    require(!distributed ||
-                (s.announces && s.begun.empty() && s.end.least_gain <= 0.0 && !s.end.coverage_goal),
-            "--architecture distributed: expected no --announcements off, --continue, --least-gain "
-            "or --coverage-goal with it");
+    require(!distributed || (s.announces && s.begun.empty()),
+            "--architecture distributed: expected no --announcements off or --continue with it");
     require(s.patch_images >= 1 && s.patch_images <= 1000, "--patch-images: expected 1 to 1000");
     positive(s.wait_for_team, "--wait-for-team");
     require(s.architecture != "single" || s.robots == 1,

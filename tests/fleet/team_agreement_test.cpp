@@ -44,13 +44,17 @@ TEST(what_differs_is_said_and_marks_packets) {
   other([](TeamAgreement& a) { a.voxel = 0.31; }, "voxels of 0.31");
   other([](TeamAgreement& a) { a.truncation = 0.3; }, "truncation of 0.3");
   other([](TeamAgreement& a) { a.known_weight = 0.5; }, "weight of 0.5");
+  other([](TeamAgreement& a) { a.packing = 1; }, "packed by 1");
   CHECK(says(agreed_by(0), "robot 1 of team alpha is alive elsewhere"));
 }
 TEST(notes_that_are_none_are_passed_over) {
-  for (const char* note : {"", "surfleet", "surfleet,alpha,1", "other,alpha,1,2,3,0.3,0.9,0.3",
-                           "surfleet,alpha,-1,2,3,0.3,0.9,0.3", "surfleet,alpha,1,2,3,0.3,0.9",
-                           "surfleet,alpha,1,2,3,x,0.9,0.3", "surfleet,alpha,1,2,3,0.3,0.9,0.3,4"})
+  for (const char* note :
+       {"", "surfleet", "surfleet,alpha,1", "other,alpha,1,3,3,0.3,0.9,0.3,0",
+        "surfleet,alpha,-1,3,3,0.3,0.9,0.3,0", "surfleet,alpha,1,3,3,0.3,0.9,0.3",
+        "surfleet,alpha,1,3,3,x,0.9,0.3,0", "surfleet,alpha,1,3,3,0.3,0.9,0.3,-1",
+        "surfleet,alpha,1,3,3,0.3,0.9,0.3,0,4"})
     CHECK(!TeamAgreement::read(note));
   CHECK(!TeamAgreement::read(std::string(100000, ',')));
   CHECK(TeamAgreement::read("surfleet,alpha,1,7,whatever")->protocol == 7);
+  CHECK(TeamAgreement::read("surfleet,alpha,1,3,3,0.3,0.9,0.3,1")->packing == 1);
 }

@@ -155,5 +155,41 @@ TEST(a_parted_fleet_comes_together) {
   const DistributedResult r = fly(3, d);
   CHECK(r.mission.complete && r.maps_equal && r.mission.coverage.share() > 0.9);
   CHECK(r.dropped[static_cast<std::size_t>(NetworkDrop::partition)] > 0);
+  CHECK(r.catch_ups.size() == 1 && r.catch_ups[0].took);
+  CHECK_NEAR(r.catch_ups[0].from, 30.0, 0.5);
+  CHECK(*r.catch_ups[0].took > 0.0 && *r.catch_ups[0].took < 20.0);
+}
+TEST(a_robot_that_begins_anew_catches_up) {
+  for (const bool hovered : {false, true}) {
+    DistributedOptions d;
+    d.network = NetworkConditions::named("wifi");
+    d.events = {{.time = 20.0, .robot = 1, .kind = FleetEvent::Kind::restarted}};
+    if (hovered) d.events.push_back({.time = 8.0, .robot = 1});
+    const DistributedResult r = fly(3, d);
+    CHECK(r.mission.complete && r.maps_equal && r.lost.empty());
+    CHECK(r.mission.coverage.share() > 0.9);
+    CHECK(r.catch_ups.size() == 1 && r.catch_ups[0].took && *r.catch_ups[0].took > 0.0);
+    CHECK(*r.catch_ups[0].took < 20.0);
+  }
+}
+TEST(a_fleet_has_caught_up_when_all_hold_what_anybody_held) {
+  const auto set = [](std::initializer_list<std::uint32_t> numbers) {
+    PatchIdSet s;
+    for (const std::uint32_t n : numbers) s.insert({.robot = 0, .incarnation = 0, .number = n});
+    return s;
+  };
+  CatchUpWatch watch(
+      {.partitions = {{.from = 1.0, .until = 4.0, .groups = {}}}, .cuts = {{.until = 6.0}}});
+  const auto observe = [&](double now, const PatchIdSet& a, const PatchIdSet& b) {
+    watch.observe(now, std::array{&a, &b});
+  };
+  observe(3.0, set({1}), set({2}));
+  CHECK(watch.catch_ups().empty());
+  observe(4.0, set({1, 2}), set({2, 3}));
+  observe(5.0, set({1, 2, 3}), set({2, 3, 4}));
+  CHECK(watch.catch_ups().size() == 1 && !watch.catch_ups()[0].took);
+  observe(6.0, set({1, 2, 3}), set({1, 2, 3}));  // what came later is not asked for
+  CHECK(watch.catch_ups().size() == 2);
+  CHECK(watch.catch_ups()[0].took == 2.0 && watch.catch_ups()[1].took == 0.0);
 }
 }  // namespace

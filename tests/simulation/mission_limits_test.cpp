@@ -8,6 +8,7 @@
 #include "check.hpp"
 
 #include <surfleet/planning/named_planners.hpp>
+#include <surfleet/simulation/fly_distributed.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
 
 namespace {
@@ -20,6 +21,16 @@ FlownMission fly_within(const MissionLimits& limits, int robots, const TsdfMap* 
   o.begun = begun;
   return fly_mission(o, world, box_world::starts(robots),
                      make_planner("surfleet", {.standoff = 2.0}));
+}
+DistributedResult fly_distributed_within(const MissionLimits& limits, int robots,
+                                         const std::vector<FleetEvent>& events = {}) {
+  box_world::World world;
+  MissionOptions o = box_world::options(world);
+  o.limits = limits;
+  return fly_distributed(o, {.network = NetworkConditions::named("wifi"), .events = events}, world,
+                         box_world::starts(robots),
+                         [](RobotId) { return make_planner("surfleet", {.standoff = 2.0}); })
+      .result;
 }
 /// Every robot has ended where it started.
 void check_home(const MissionResult& result) {
@@ -72,6 +83,42 @@ TEST(robots_go_home_when_what_is_left_pays_too_little) {
   CHECK(!some.complete && some.enough() && some.left_area > 0.0);
   CHECK(some.left_out && some.left_out->gain < 2.0 * some.left_out->way);
   CHECK(some.coverage.share() > none.coverage.share());
+}
+TEST(robots_that_plan_for_themselves_go_home_once_all_agree) {
+  for (const double least_gain : {1e-9, 2.0, 1e6}) {
+    const DistributedResult r = fly_distributed_within({.least_gain = least_gain}, 2);
+    check_home(r.mission);
+    CHECK(r.maps_equal && r.mission.enough());
+    const bool all = least_gain < 1.0;
+    CHECK(r.mission.complete == all && r.mission.left_out.has_value() != all);
+    for (const StopReason reason : r.mission.stop_reasons)
+      CHECK(reason == (all ? StopReason::complete : StopReason::enough));
+  }
+}
+TEST(a_robot_that_begins_anew_goes_back_to_where_it_first_started) {
+  const DistributedResult r = fly_distributed_within(
+      {.least_gain = 1e-9}, 2, {{.time = 20.0, .robot = 1, .kind = FleetEvent::Kind::restarted}});
+  check_home(r.mission);
+  CHECK(r.maps_equal && r.mission.complete);
+}
+TEST(robots_that_plan_for_themselves_end_within_their_limits) {
+  for (const double metres : {3.0, 8.0}) {
+    const DistributedResult r = fly_distributed_within({.endurance = {.distance = metres}}, 2);
+    check_home(r.mission);
+    CHECK(r.maps_equal && r.mission.enough() && r.mission.completion_time < 300.0);
+    bool spent = false;
+    for (std::size_t k = 0; k < 2; ++k) {
+      CHECK(r.mission.path_length[k] <= metres);
+      spent = spent || r.mission.stop_reasons[k] == StopReason::endurance;
+    }
+    CHECK(spent == !r.mission.complete);
+    if (metres < 5.0) CHECK(spent);
+  }
+  const DistributedResult part = fly_distributed_within({.coverage_goal = 0.5}, 2);
+  check_home(part.mission);
+  CHECK(part.maps_equal && !part.mission.complete && part.mission.coverage.share() >= 0.5);
+  for (const StopReason reason : part.mission.stop_reasons)
+    CHECK(reason == StopReason::coverage_goal);
 }
 TEST(a_mission_goes_on_from_the_map_of_another) {
   const FlownMission first = fly_within({.endurance = {.distance = 8.0}}, 1);

@@ -135,6 +135,25 @@ TEST(a_planner_that_answers_amiss_is_refused) {
   CHECK_THROWS(Error, fly(AnyPlanner()));
   CHECK_THROWS(Error, fly(WithSpaceLooks([](const SurfaceSituation&) { return Plan{}; })));
 }
+TEST(a_centralised_fleet_counts_images_poses_and_routes) {
+  World world;
+  const MissionOptions o = box_world::options(world);
+  for (const int robots : {1, 2}) {
+    std::uint64_t told = 0;
+    AnyMission mission(o, world, box_world::starts(robots), TsgaPlanner(tour_options()));
+    mission.observer.on_plan = [&](const SurfaceSituation&, const Plan& plan) {
+      for (const auto& [robot, route] : plan.routes)
+        told += encode_routes({{.head = {.robot = robot}, .route = route}}).size();
+    };
+    const MissionResult result = mission.run();
+    const std::uint64_t images = robots > 1 ? result.images : 0;
+    const auto pixels = static_cast<std::uint64_t>(o.kind.camera.width * o.kind.camera.height);
+    CHECK(told > 0 && result.images > 100);
+    CHECK(result.traffic.images == 2 * images * pixels);
+    CHECK(result.traffic.poses == 56 * images);
+    CHECK(result.traffic.routes == (robots > 1 ? told : 0));
+  }
+}
 TEST(a_stop_that_may_not_last_as_long_as_it_should_is_a_look_in_vain) {
   box_world::Glass world;
   MissionOptions options = box_world::options(world);

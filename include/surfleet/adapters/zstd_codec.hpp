@@ -17,7 +17,7 @@
 namespace surfleet {
 /// One zstd frame with its size.
 struct ZstdPacker {
-  static constexpr std::uint8_t kPacking = 1;
+  static constexpr std::uint8_t packing() { return 1; }
   int level = 3;  ///< 1, quick, to 19, small.
 
   Bytes pack(std::span<const std::byte> bytes) const {

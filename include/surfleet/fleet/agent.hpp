@@ -36,6 +36,7 @@ struct AgentOptions {
   double utility_share = 0.2;  ///< Share of a route's elements whose completion asks for a new
                                ///< plan, unless the planner says another: c_thres.
   EnduranceLimits endurance{};
+  std::optional<Configuration> home{};  ///< Where it goes back to; nothing: where it starts.
 };
 
 /// Carries out the routes of one robot on what is believed [000 §2.5.3, 3.5.2, Alg. 1, 3].
@@ -54,7 +55,7 @@ class Agent {
         body_(&body),
         belief_(&belief),
         options_(options),
-        home_(body.estimate()),
+        home_(options.home.value_or(body.estimate())),
         endurance_(options.endurance, home_.position, belief.space(kind).kind.limits),
         traffic_(traffic_options(belief.space(kind).kind.limits, options.image_period)) {}
 
@@ -97,7 +98,7 @@ class Agent {
   /// Whether it neither moves nor looks nor has anything to do.
   bool at_rest() const {
     return phase_ == Phase::waiting && route_.empty() && body_->standing() &&
-           (!retired_ || is_home());
+           (!retired_ || retired_ == StopReason::stranded || is_home());
   }
   /// Whether it has nothing to do, or so much of what its route was made for is complete, or left
   /// behind, that a new one is due (UtilityCheck).
@@ -145,6 +146,8 @@ class Agent {
     route_.clear();
     initial_work_ = 0;
     replan_ = {};
+    idle_until_ = 0.0;
+    pause_ = kIdle;
     if (phase_ != Phase::scanning) halt();
   }
 
@@ -180,7 +183,7 @@ class Agent {
     if (endurance_.must_return(time, [this] { return way_home(body_->estimate().position); }))
       retire(StopReason::endurance);
     if (phase_ != Phase::waiting) return;
-    if (retired_ && route_.empty() && !is_home()) route_ = {{home_, {}}};
+    if (retired_ && route_.empty() && !at_rest() && time >= idle_until_) route_ = {{home_, {}}};
     if (!body_->standing()) {
       if (!turns(time)) body_->stop();
     } else if (!route_.empty()) {
@@ -295,6 +298,7 @@ class Agent {
         too_far = true;
       } else {
         belief_->not_reached(stop.targets);
+        if (retired_ && ++vain_returns_ >= kMostVainReturns) retired_ = StopReason::stranded;
       }
       route_.erase(route_.begin());
     }
@@ -407,7 +411,8 @@ class Agent {
 
   static constexpr double kHome = 0.05;     ///< So near to its start it is there [m].
   static constexpr double kFairLook = 0.4;  ///< Least cosine between n̄_v and the line of sight.
-  static constexpr double kIdle = 2.0;      ///< Between requests of a robot without work [s] …
+  static constexpr int kMostVainReturns = 8;
+  static constexpr double kIdle = 2.0;  ///< Between requests of a robot without work [s] …
   static constexpr double kLongestIdle = 30.0;  ///< … when nothing was found time after time.
   static constexpr double kLongestHold = 60.0;  ///< For teammates before a route is given up [s].
 
@@ -419,6 +424,7 @@ class Agent {
   Configuration home_;
   Endurance endurance_;
   std::optional<StopReason> retired_;
+  int vain_returns_ = 0;
   double worked_ = 0.0;  // travelled until then [m]
   TrafficPolicy traffic_;
   ObstacleCheck obstacle_ahead_{.lookahead = 1.5};

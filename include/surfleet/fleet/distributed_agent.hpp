@@ -33,11 +33,11 @@ namespace surfleet {
 /// itself and for mates without work, and takes its own route of that plan (dist-TSGA [000 Alg. 5],
 /// or any other planner by the same rule); mates under way keep the routes they told. Alone, for as
 /// long as nobody is heard, it is the single architecture.
-template <RobotBody Body, FleetPlanner Planner = AnyPlanner, BytePacker Packer = PlainPacker>
+template <RobotBody Body, FleetPlanner Planner = AnyPlanner, BytePacker Packer = AnyPacker>
 class DistributedAgent {
  public:
-  /// The body must outlive it. What is within `start_clearance` of it is taken for free [m]. Throws
-  /// `Error` on options out of range.
+  /// The body must outlive it. What is within `start_clearance` of its home is taken for free [m],
+  /// as is the place that the body fills. Throws `Error` on options out of range.
   DistributedAgent(RobotId id, const RobotKind& kind, Body& body, SurfaceBeliefOptions belief,
                    AgentOptions agent, double start_clearance, Planner planner,
                    DistributedAgentOptions options = {}, Packer packer = {})
@@ -73,7 +73,9 @@ class DistributedAgent {
         relay_(id, options.incarnation, options.relay),
         guard_(id, {.team = options.team}),
         redundant_(RedundancyCheck{options.redundancy}) {
-    belief_.add_known_free(0, {body.estimate().position, start_clearance});
+    requests_.least_gain = options.least_gain;
+    belief_.add_known_free(0, {agent.home.value_or(body.estimate()).position, start_clearance});
+    belief_.add_known_free(0, {body.estimate().position, kind.body_radius});
     belief_.update();
     sync_.distance = [this, &body](RobotId mate) {
       const auto last = relay_.last_of(mate, now_);
@@ -89,7 +91,7 @@ class DistributedAgent {
     receive(inbox);
     agent_.sense();
     // Who is at rest sees nothing new, and patches without end would let nobody come to an end.
-    const bool works = !agent_.at_rest();
+    const bool works = !agent_.at_rest() && !leaving_;
     if (works) {
       recorder_.integrate(agent_.image(), belief_.space(0).kind.camera, agent_.camera_pose());
       fusion_.show_open(recorder_.open());
@@ -98,6 +100,11 @@ class DistributedAgent {
     belief_.update();
     agent_.check_stop();
     plan();
+    if (goal_is_reached()) agent_.retire(StopReason::coverage_goal);
+    if (options_.returns_home && !leaving_ && is_agreed()) {
+      leaving_ = true;
+      agent_.retire(requests_.left_out() ? StopReason::enough : StopReason::complete);
+    }
     agent_.set_out(now);
   }
   /// Gives way, moves, and says what there is to say. Different agents at once.
@@ -107,7 +114,7 @@ class DistributedAgent {
     belief_.goals();
     agent_.move(now);
     RobotState own = agent_.state(now);
-    own.done = (is_done() && !has_untold()) || (agent_.stop_reason() && agent_.at_rest());
+    own.done = leaving_ || (is_done() && !has_untold());
     if (own.done) own.holds = sync_.digest();
     relay_.set_own(std::move(own));
     std::vector<Message<Packet>> out;
@@ -128,17 +135,13 @@ class DistributedAgent {
     return out;
   }
 
-  /// Whether it has nothing to do by its own map.
-  bool is_done() const { return agent_.at_rest() && requests_.exhausted(belief_); }
-  /// Whether all is over: it is done, and so is every mate of late, with the same patches.
-  bool finished() const {
-    if (!is_done() || sync_.missing() > 0) return false;
-    if (recent_.empty()) return true;
-    if (has_untold()) return false;
-    return std::all_of(recent_.begin(), recent_.end(), [&](const RobotState& mate) {
-      return mate.done && mate.holds == sync_.digest() && relay_.is_current(mate);
-    });
+  /// Whether it has nothing to do by its own map, or does no more.
+  bool is_done() const {
+    return agent_.at_rest() && (agent_.stop_reason() || requests_.exhausted(belief_));
   }
+  /// Whether all is over: it is done, and so is every mate of late, with the same patches; and it
+  /// is home, if it is to end there.
+  bool finished() const { return options_.returns_home ? leaving_ && is_done() : is_agreed(); }
 
   RobotId id() const { return id_; }
   const Agent<Body>& agent() const { return agent_; }
@@ -174,10 +177,24 @@ class DistributedAgent {
     patch.id = sync_.publish(patch);
     fusion_.close_open(&patch);
   }
+  bool is_agreed() const {
+    if (!is_done() || sync_.missing() > 0) return false;
+    if (recent_.empty()) return true;
+    if (has_untold()) return false;
+    return std::all_of(recent_.begin(), recent_.end(), [&](const RobotState& mate) {
+      return mate.done && mate.holds == sync_.digest() && relay_.is_current(mate);
+    });
+  }
+  /// Asked seldom, and ever more seldom, as it costs as much as the map is large.
+  bool goal_is_reached() {
+    if (!options_.coverage_goal || now_ < next_estimate_) return false;
+    next_estimate_ = std::max(kEstimates * now_, now_ + kFirstEstimate);
+    return belief_.estimate_coverage().share() >= *options_.coverage_goal;
+  }
   /// Whether it has seen, or looked for in vain, what is in no patch yet.
   bool has_untold() const { return recorder_.images() > 0 || belief_.ledger().has_news(); }
   void plan() {
-    if (agent_.scanning()) return;
+    if (agent_.scanning() || agent_.stop_reason()) return;
     if (redundant_(agent_.state(now_), team_)) {
       ++redundant_stops_;
       agent_.give_up_to_others(now_);
@@ -190,7 +207,7 @@ class DistributedAgent {
               [](const RobotState& a, const RobotState& b) { return a.id < b.id; });
     std::vector<RobotId> asked;
     for (const RobotState& r : team)
-      if (r.id == id_ || r.idle) asked.push_back(r.id);
+      if (r.id == id_ || (r.idle && !r.first)) asked.push_back(r.id);
     Plan plan = requests_(belief_, asked, team, agent_.departures(), at_rest, now_);
     agent_.accept(std::move(plan.routes[id_]), plan.replan, now_);
   }
@@ -201,7 +218,8 @@ class DistributedAgent {
     return t;
   }
 
-  static constexpr double kMostSwollen = 5.0;  ///< [m]
+  static constexpr double kMostSwollen = 5.0;                      ///< [m]
+  static constexpr double kFirstEstimate = 1.0, kEstimates = 1.1;  ///< [s], and a factor
 
   RobotId id_;
   std::uint32_t kind_;  // as of `kind_number`
@@ -220,5 +238,7 @@ class DistributedAgent {
   double now_ = 0.0;
   std::uint32_t said_ = 0;
   std::size_t redundant_stops_ = 0;
+  double next_estimate_ = 0.0;  // [s]
+  bool leaving_ = false;        // as all have agreed that nothing is left
 };
 }  // namespace surfleet

@@ -20,11 +20,12 @@ enum class StopReason : std::uint8_t {
   enough,         ///< What was left was worth less than the least gain.
   coverage_goal,  ///< The share that was asked for is reached, by the mission's own account.
   endurance,      ///< It had to be back at its start.
+  stranded,       ///< It found no way back to its start.
   ended           ///< The mission was ended, by time or from outside.
 };
 inline std::string_view name_of(StopReason reason) {
-  constexpr std::string_view kNames[] = {"complete", "enough", "coverage_goal", "endurance",
-                                         "ended"};
+  constexpr std::string_view kNames[] = {"complete",  "enough",   "coverage_goal",
+                                         "endurance", "stranded", "ended"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 

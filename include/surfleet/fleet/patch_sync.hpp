@@ -56,7 +56,7 @@ struct PatchSyncCounts {
 
 /// One robot's part. It knows no clock but the times it is told, and no transport: `hear` what has
 /// come in, then `speak`. Of two contents under one name, the first to come stays.
-template <BytePacker Packer = PlainPacker>
+template <BytePacker Packer = AnyPacker>
 class PatchSync {
  public:
   Packer packer;

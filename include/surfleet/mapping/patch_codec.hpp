@@ -27,6 +27,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -38,22 +39,22 @@
 namespace surfleet {
 /// What makes bytes fewer.
 ///
-/// - `kPacking`: its number in the header.
+/// - `packing()`: its number in the header.
 /// - `pack(bytes)`.
 /// - `unpack(bytes, size, what)`: the `size` bytes that were packed; throws `Error` that begins
 ///   with `what` on anything else, and allocates no more than that.
 ///
-/// Models: `PlainPacker`, `ZstdPacker` (`adapters/zstd_codec.hpp`).
+/// Models: `PlainPacker`, `ZstdPacker` (`adapters/zstd_codec.hpp`), `AnyPacker`, any of them.
 template <typename P>
 concept BytePacker = requires(const P& p, std::span<const std::byte> b, const std::string& what) {
-  { P::kPacking } -> std::convertible_to<std::uint8_t>;
+  { p.packing() } -> std::same_as<std::uint8_t>;
   { p.pack(b) } -> std::same_as<Bytes>;
   { p.unpack(b, std::size_t{}, what) } -> std::same_as<Bytes>;
 };
 
 /// Leaves bytes as they are.
 struct PlainPacker {
-  static constexpr std::uint8_t kPacking = 0;
+  static constexpr std::uint8_t packing() { return 0; }
   Bytes pack(std::span<const std::byte> bytes) const { return {bytes.begin(), bytes.end()}; }
   Bytes unpack(std::span<const std::byte> bytes, std::size_t size, const std::string& what) const {
     require(bytes.size() == size, what + ": " + std::to_string(bytes.size()) +
@@ -62,6 +63,38 @@ struct PlainPacker {
   }
 };
 static_assert(BytePacker<PlainPacker>);
+
+/// A packer chosen at run time; by default a plain one.
+class AnyPacker {
+ public:
+  template <BytePacker P = PlainPacker>
+  requires(!std::same_as<P, AnyPacker>) AnyPacker(P p = {})
+      : packing_(p.packing()), pack_(pack_by(p)), unpack_(unpack_by(p)) {}
+
+  std::uint8_t packing() const { return packing_; }
+  Bytes pack(std::span<const std::byte> bytes) const { return pack_(bytes); }
+  Bytes unpack(std::span<const std::byte> bytes, std::size_t size, const std::string& what) const {
+    return unpack_(bytes, size, what);
+  }
+
+ private:
+  using Pack = std::function<Bytes(std::span<const std::byte>)>;
+  using Unpack = std::function<Bytes(std::span<const std::byte>, std::size_t, const std::string&)>;
+  template <BytePacker P>
+  static Pack pack_by(P p) {
+    return [p](std::span<const std::byte> bytes) { return p.pack(bytes); };
+  }
+  template <BytePacker P>
+  static Unpack unpack_by(P p) {
+    return [p](std::span<const std::byte> bytes, std::size_t size, const std::string& what) {
+      return p.unpack(bytes, size, what);
+    };
+  }
+  std::uint8_t packing_;
+  Pack pack_;
+  Unpack unpack_;
+};
+static_assert(BytePacker<AnyPacker>);
 
 /// What a patch may be, whoever it comes from.
 struct PatchLimits {
@@ -141,7 +174,7 @@ EncodedPatch encode_patch(const MapPatch& patch, const Packer& packer = {}) {
   ByteWriter out;
   out.put(detail::kPatchMagic);
   out.put(detail::kPatchVersion);
-  out.put(std::uint8_t{Packer::kPacking});
+  out.put(packer.packing());
   out.put(static_cast<std::uint16_t>(TsdfMap::kBlockSide));
   out.put(id.key.robot);
   out.put(id.key.incarnation);
@@ -169,7 +202,7 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
   sound(in.get<std::array<char, 4>>() == detail::kPatchMagic, "expected it to begin with SFPT");
   sound(in.get<std::uint8_t>() == detail::kPatchVersion, "of another version; expected 2");
   const auto packing = in.get<std::uint8_t>();
-  sound(packing == PlainPacker::kPacking || packing == Packer::kPacking,
+  sound(packing == PlainPacker::packing() || packing == packer.packing(),
         "packed in a way that is not known here");
   std::uint32_t stored = 0;
   std::memcpy(&stored, bytes.data() + bytes.size() - 4, sizeof(stored));
@@ -230,8 +263,8 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
         "blocks of a size that they cannot have");
   sound(packed + 4 == in.remaining(), "of another length than it says");
   const auto rest = in.take(packed);
-  const Bytes payload = packing == PlainPacker::kPacking ? PlainPacker{}.unpack(rest, size, what)
-                                                         : packer.unpack(rest, size, what);
+  const Bytes payload = packing == PlainPacker::packing() ? PlainPacker{}.unpack(rest, size, what)
+                                                          : packer.unpack(rest, size, what);
   sound(detail::hash_of(payload, detail::hash_of(bytes.subspan(facts_at, facts_end - facts_at),
                                                  0)) == patch.id.hash,
         "content is not what its hash says");

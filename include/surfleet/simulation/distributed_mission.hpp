@@ -11,20 +11,33 @@
 #include <surfleet/fleet/distributed_options.hpp>
 #include <surfleet/fleet/impaired.hpp>
 #include <surfleet/fleet/packet.hpp>
+#include <surfleet/mapping/patch_codec.hpp>
+#include <surfleet/simulation/catch_up.hpp>
 #include <surfleet/simulation/mission.hpp>
 
 namespace surfleet {
 /// Something that befalls a robot at a time.
 struct FleetEvent {
-  enum class Kind : std::uint8_t { killed, vanished };
+  enum class Kind : std::uint8_t { killed, vanished, restarted };
   double time = 0.0;  ///< [s]
   RobotId robot = 0;
-  Kind kind = Kind::killed;  ///< Its process ends; its body hovers where it is, or is gone.
+  /// Its process ends; its body hovers where it is, or is gone; or its process begins again, with
+  /// nothing, where its body is.
+  Kind kind = Kind::killed;
 };
+
+/// An agent's options with what a mission is limited to.
+inline DistributedAgentOptions limited(DistributedAgentOptions o, const MissionLimits& limits) {
+  o.least_gain = limits.least_gain;
+  o.coverage_goal = limits.coverage_goal;
+  o.returns_home = limits.any();
+  return o;
+}
 
 struct DistributedOptions {
   NetworkConditions network{};
   DistributedAgentOptions agent{};
+  AnyPacker packer{};  ///< Of patches, in the air and in robots' memory.
   std::vector<FleetEvent> events{};
 };
 
@@ -35,6 +48,7 @@ struct DistributedResult {
   std::array<std::uint64_t, kMessageKinds> bytes_by_kind{};
   std::array<std::uint64_t, kNetworkDrops> dropped{};
   std::size_t redundant_stops = 0;
-  std::vector<RobotId> lost;  ///< Killed or vanished.
+  std::vector<RobotId> lost;       ///< Killed or vanished.
+  std::vector<CatchUp> catch_ups;  ///< In the order of time.
 };
 }  // namespace surfleet

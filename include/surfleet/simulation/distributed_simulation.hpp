@@ -44,23 +44,27 @@ class DistributedSimulation {
                         const std::function<AnyPlanner(RobotId)>& planner)
       : options_(std::move(options)),
         distributed_(std::move(distributed)),
+        homes_(starts.begin(), starts.end()),
         fleet_(starts.begin(), starts.end()),
+        planner_(planner),
         network_(starts.size(), distributed_.network),
         alive_(starts.size(), true),
         gone_(starts.size(), false),
+        catching_up_(distributed_.network),
         record_(starts.size()) {
     check_mission(options_, starts);
     require(options_.max_time > 0.0, "time: expected more than 0 s");
     for (const FleetEvent& e : distributed_.events)
       require(e.robot < fleet_.size(), "event: of a robot that is not there");
     options_.agent.endurance = options_.limits.endurance;
+    distributed_.agent = limited(distributed_.agent, options_.limits);
     for (std::size_t r = 0; r < fleet_.size(); ++r) {
       bodies_.push_back(
           std::make_unique<Body>(world, r, fleet_, options_.kind.limits, options_.neighbours));
-      robots_.push_back(std::make_unique<Robot>(
-          static_cast<RobotId>(r), options_.kind, *bodies_[r], options_.belief, options_.agent,
-          options_.start_clearance, planner(static_cast<RobotId>(r)), distributed_.agent));
+      robots_.push_back(started(r, 0, homes_[r]));
     }
+    std::stable_sort(distributed_.events.begin(), distributed_.events.end(),
+                     [](const FleetEvent& a, const FleetEvent& b) { return a.time < b.time; });
     network_.position = [this](RobotId r) { return fleet_[r].position; };
     if constexpr (SightWorld<World>)
       network_.line_of_sight = [&world](const Point3& a, const Point3& b) {
@@ -91,8 +95,9 @@ class DistributedSimulation {
       each([&](std::size_t r) { robots_[r]->look(time_, inbox[r]); });
       record_.result.images +=
           static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), true));
+      watch();
       if (finished()) {
-        record_.result.complete = true;
+        ended_ = true;
         break;
       }
       std::vector<std::vector<Message<Packet>>> outbox(robots_.size());
@@ -116,17 +121,45 @@ class DistributedSimulation {
       if (alive_[r]) f(r);
     });
   }
+  std::unique_ptr<Robot> started(std::size_t r, std::uint32_t incarnation,
+                                 const Configuration& home) {
+    const auto id = static_cast<RobotId>(r);
+    DistributedAgentOptions own = distributed_.agent;
+    own.incarnation += incarnation;
+    AgentOptions agent = options_.agent;
+    agent.home = home;
+    return std::make_unique<Robot>(id, options_.kind, *bodies_[r], options_.belief, agent,
+                                   options_.start_clearance, planner_(id), own,
+                                   distributed_.packer);
+  }
   void happen() {
-    for (const FleetEvent& e : distributed_.events)
-      if (alive_[e.robot] && e.time <= time_) {
-        alive_[e.robot] = false;
-        result_.lost.push_back(e.robot);
-        // Far from everything, where no camera and no judge meets it.
-        if (e.kind == FleetEvent::Kind::vanished) {
-          gone_[e.robot] = true;
-          fleet_[e.robot].position = Point3::Constant(-1e6 - 1e3 * e.robot);
-        }
+    for (; next_event_ < distributed_.events.size(); ++next_event_) {
+      const FleetEvent& e = distributed_.events[next_event_];
+      if (e.time > time_) return;
+      if (gone_[e.robot]) continue;
+      if (e.kind == FleetEvent::Kind::restarted) {
+        bodies_[e.robot]->stop();
+        robots_[e.robot] =
+            started(e.robot, static_cast<std::uint32_t>(next_event_) + 1, homes_[e.robot]);
+        std::erase(result_.lost, e.robot);
+        alive_[e.robot] = true;
+        catching_up_.add(time_);
+        continue;
       }
+      if (alive_[e.robot]) result_.lost.push_back(e.robot);
+      alive_[e.robot] = false;
+      // Far from everything, where no camera and no judge meets it.
+      if (e.kind == FleetEvent::Kind::vanished) {
+        gone_[e.robot] = true;
+        fleet_[e.robot].position = Point3::Constant(-1e6 - 1e3 * e.robot);
+      }
+    }
+  }
+  void watch() {
+    std::vector<const PatchIdSet*> held;
+    for (std::size_t r = 0; r < robots_.size(); ++r)
+      if (alive_[r]) held.push_back(&robots_[r]->patches().held());
+    catching_up_.observe(time_, held);
   }
   bool finished() const {
     bool anybody = false;
@@ -146,10 +179,16 @@ class DistributedSimulation {
     const Robot& first = first_left();
     record_.close(time_, first.belief(), first.plans().impossible());
     MissionResult& m = record_.result;
+    m.left_out = first.plans().left_out();
+    m.complete = ended_;
+    for (std::size_t r = 0; r < robots_.size(); ++r)
+      if (alive_[r] &&
+          robots_[r]->agent().stop_reason().value_or(StopReason::complete) != StopReason::complete)
+        m.complete = false;
     result_.maps_equal = true;
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       const Robot& robot = *robots_[r];
-      record_.add_planning_robot(robot, m.complete);
+      record_.add_planning_robot(robot, ended_);
       result_.redundant_stops += robot.redundant_stops();
       result_.bytes_sent.push_back(network_.bytes_sent(static_cast<RobotId>(r)));
       if (alive_[r] && &robot != &first)
@@ -159,17 +198,23 @@ class DistributedSimulation {
       result_.bytes_by_kind[k] = network_.bytes_sent_by_kind(static_cast<std::uint8_t>(k));
     for (std::size_t k = 0; k < kNetworkDrops; ++k)
       result_.dropped[k] = network_.dropped(static_cast<NetworkDrop>(k));
+    result_.catch_ups = catching_up_.catch_ups();
     result_.mission = std::move(m);
     return std::move(result_);
   }
 
   MissionOptions options_;
   DistributedOptions distributed_;
+  std::vector<Configuration> homes_;
   std::vector<Configuration> fleet_;  // the truth
+  std::function<AnyPlanner(RobotId)> planner_;
   SimulatedNetwork<Packet> network_;
   std::vector<bool> alive_, gone_;
+  CatchUpWatch catching_up_;
+  std::size_t next_event_ = 0;
   std::vector<std::unique_ptr<Body>> bodies_;
   std::vector<std::unique_ptr<Robot>> robots_;
+  bool ended_ = false;  // by the robots themselves
   std::uint64_t step_ = 0;
   double time_ = 0.0;
   MissionRecord record_;

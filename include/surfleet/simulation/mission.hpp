@@ -95,6 +95,13 @@ struct MissionObserver {
   std::function<void(const SurfaceSituation&, const Plan&)> on_plan;
 };
 
+/// What a centralised fleet says to its centre and hears from it, as [000 §5.4] counts it [bytes].
+struct CentralTraffic {
+  std::uint64_t images = 0;  ///< Depth of 16 bits a pixel, unpacked.
+  std::uint64_t poses = 0;   ///< One an image.
+  std::uint64_t routes = 0;  ///< As in `robot_news.hpp`.
+};
+
 struct MissionResult {
   bool complete = false;         ///< False if ended by time or from outside.
   double completion_time = 0.0;  ///< On the mission's clock [s].
@@ -112,11 +119,12 @@ struct MissionResult {
   std::map<LeftReason, std::size_t> reasons;  ///< Of all that remain.
   std::vector<MissionProgress> history;       ///< About once in ten seconds.
   std::size_t images = 0, plans = 0, emergency_stops = 0, waits = 0;
+  CentralTraffic traffic;  ///< Nothing of a robot alone, nor of a distributed fleet.
 
   /// Whether every robot stopped for a reason that was asked for.
   bool enough() const {
     return std::none_of(stop_reasons.begin(), stop_reasons.end(),
-                        [](StopReason r) { return r == StopReason::ended; });
+                        [](StopReason r) { return r >= StopReason::stranded; });
   }
   double total_path_length() const {
     return std::accumulate(path_length.begin(), path_length.end(), 0.0);

@@ -25,6 +25,7 @@
 #include <surfleet/core/transport.hpp>
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/fleet/central_planning.hpp>
+#include <surfleet/fleet/robot_news.hpp>
 #include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/mission_record.hpp>
@@ -81,7 +82,10 @@ class Simulation {
 
   /// Runs to the end. Once only.
   MissionResult run() {
-    planning_.requests.on_plan = observer.on_plan;
+    planning_.requests.on_plan = [this](const SurfaceSituation& situation, const Plan& plan) {
+      count_routes(plan);
+      if (observer.on_plan) observer.on_plan(situation, plan);
+    };
     record_.add(time_, fleet_);
     double next_report = 0.0;
     while (time_ < options_.max_time) {
@@ -109,6 +113,7 @@ class Simulation {
 
  private:
   using Body = SimulatedDrone<World>;
+  static constexpr std::uint64_t kPoseBytes = 7 * sizeof(double);  // position and quaternion
 
   static MissionOptions checked(MissionOptions o, std::span<const Configuration> starts) {
     check_mission(o, starts);
@@ -136,7 +141,20 @@ class Simulation {
     parallel_for(agents_.size(), options_.threads, [&](std::size_t r) { agents_[r]->sense(); });
     for (const auto& agent : agents_) agent->integrate();
     record_.result.images += agents_.size();
+    if (agents_.size() > 1) {
+      const PinholeCamera& camera = options_.kind.camera;
+      const auto pixels =
+          static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
+      record_.result.traffic.images += agents_.size() * pixels * sizeof(std::uint16_t);
+      record_.result.traffic.poses += agents_.size() * kPoseBytes;
+    }
     belief_.update();
+  }
+  void count_routes(const Plan& plan) {
+    if (agents_.size() < 2) return;
+    for (const auto& [robot, route] : plan.routes)
+      record_.result.traffic.routes +=
+          encode_routes({{.head = {.robot = robot}, .route = route}}).size();
   }
   /// All tell where they are and will be; then all move, each by what it has heard.
   void move() {
