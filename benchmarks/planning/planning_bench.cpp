@@ -90,6 +90,7 @@ BENCHMARK(SightTargets_InView)->ArgName("by_depth")->Arg(0)->Arg(1);
 /// What places show is told by a table, so that the tours alone are timed.
 struct TableViews {
   std::vector<double> gain;
+  double most(std::size_t s) const { return gain[s]; }
   double look(std::size_t s, double /*enough*/, GainByHeading& by_heading) const {
     by_heading.fill(gain[s]);
     return gain[s];

@@ -99,6 +99,7 @@ struct InspectionSettings : MissionPreset {
     p.yaw_rate = limits.yaw_rate;
     p.printed_share = printed_share;
     p.utility_share = utility_share;
+    p.threads = threads;
     return p;
   }
   /// What it is called in results.

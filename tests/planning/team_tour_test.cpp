@@ -2,6 +2,8 @@
 #include <surfleet/planning/team_tour.hpp>
 //
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -33,6 +35,11 @@ struct ListedViews {
     for (const int i : shows[s][heading]) sum += things[static_cast<std::size_t>(i)];
     return sum;
   }
+  double most(std::size_t s) const {
+    double most = 0.0;
+    for (std::size_t k = 0; k < kHeadings; ++k) most = std::max(most, gain(s, k));
+    return loose ? 1.5 * most + 0.1 : most;
+  }
   double look(std::size_t s, double enough, GainByHeading& by_heading) {
     for (std::size_t k = 0; k < kHeadings; ++k) by_heading[k] = gain(s, k);
     const double most = *std::max_element(by_heading.begin(), by_heading.end());
@@ -40,7 +47,7 @@ struct ListedViews {
       by_heading.fill(1e9);  // not to be read
       return enough;
     }
-    ++asked;
+    ++std::atomic_ref<int>(asked);
     return most;
   }
   void take(std::size_t s, int heading) {
@@ -143,6 +150,23 @@ TEST(tours_show_new_things_at_every_stop_however_loose_bounds_are) {
       for (std::size_t k = 0; k < kHeadings; ++k) CHECK(exact.views.gain(s, k) == 0.0);
     exact.team[0].stops = 0;
     CHECK(exact.tours({})[0].empty());
+  }
+}
+
+TEST(tours_are_the_same_on_any_number_of_threads) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto alone = scattered(seed, 3, 8).tours({});
+    for (const int threads : {2, 5}) {
+      Scattered all = scattered(seed, 3, 8);
+      all.views.loose = seed % 2 == 0;
+      const auto tours = all.tours({.threads = threads});
+      for (std::size_t r = 0; r < 3; ++r) {
+        CHECK(tours[r].size() == alone[r].size());
+        for (std::size_t k = 0; k < alone[r].size(); ++k)
+          CHECK(tours[r][k].site == alone[r][k].site &&
+                tours[r][k].heading == alone[r][k].heading && tours[r][k].rate == alone[r][k].rate);
+      }
+    }
   }
 }
 
@@ -330,6 +354,67 @@ TEST(robots_open_the_way_to_what_they_cannot_see_yet) {
     CHECK(sent >= 1 && result.impossible.empty());
   }
 }
+
+TEST(views_gain_what_is_in_sight_and_not_taken_however_much_is_enough) {
+  TsdfMap map({.voxel_size = 0.3});
+  paint_hall(map, [](const VoxelIndex& v) { return v.x() == 4 && v.z() < 6; });
+  VoxelStateMap states(map);
+  FreeSpace space(states, kBody);
+  FlightLattice<FreeSpace> lattice(space, space.options().bounds, 0.6);
+  const HeadingTable headings(PinholeCamera::from_fov(1.2, 1.0, 160, 120, 0.1, 4.0),
+                              forward_camera_mount());
+  Random random(8);
+  std::vector<SightTarget> list;
+  for (int i = 0; i < 400; ++i) {
+    const double x = random.uniform(-6, 6), y = random.uniform(-4, 4), z = random.uniform(-1, 3);
+    list.push_back({Point3(x, y, z), Eigen::Vector3d::UnitX() * (i % 3 == 0 ? 0.0 : 1.0),
+                    random.uniform(0.1, 1.0), i % 4});
+  }
+  const SightTargets<> targets(list, MapSight(states), headings);
+  MapSight through(states);
+  through.look_through_unknown();
+  const SightTargets<> hoped(list, through, headings);
+  const ViewsInVain vain;
+  LatticeViews views(targets, lattice, headings, vain, 0.7);
+  for_each_index(VoxelIndex::Zero(), lattice.count() - VoxelIndex::Ones(),
+                 [&](const VoxelIndex& c) {
+                   if (random.uniform(0.0, 1.0) < 0.1) views.add({c, c.z() % 2 == 0});
+                 });
+  CHECK(views.size() > 50);
+  std::vector<char> done(targets.size(), 0);
+  int enough_said = 0, told = 0;
+  for (int round = 0; round < 1500; ++round) {
+    const auto s =
+        static_cast<std::size_t>(random.uniform(0.0, 1.0) * static_cast<double>(views.size()));
+    const LatticeViews::Site site = views[s];
+    const auto seen = (site.known ? targets : hoped).seen_from(lattice.position(site.cell));
+    GainByHeading truth = worth_by_heading(targets, seen, done), gain;
+    for (double& g : truth) g *= site.known ? 1.0 : 0.7;
+    const double best = *std::max_element(truth.begin(), truth.end());
+    CHECK(views.most(s) >= best - 1e-9);
+    const double enough = random.uniform(0.0, 1.5) * best;
+    const double most = views.look(s, enough, gain);
+    CHECK(most >= best - 1e-9);
+    if (most <= enough) {
+      CHECK(best <= enough + 1e-9);
+      ++enough_said;
+      continue;
+    }
+    CHECK_NEAR(most, best, 1e-12);
+    ++told;
+    for (std::size_t k = 0; k < kHeadings; ++k) {
+      if (truth[k] > enough) CHECK_NEAR(gain[k], truth[k], 1e-12);
+      CHECK(gain[k] >= truth[k] - 1e-9 && (truth[k] > enough || gain[k] <= enough));
+    }
+    if (round % 10 != 0) continue;
+    const int heading = round / 10 % kHeadings;
+    views.take(s, heading);
+    mark_in_view(seen, heading, done, [](std::size_t) {});
+    CHECK(std::equal(done.begin(), done.end(), views.done().begin()));
+  }
+  CHECK(enough_said > 200 && told > 200);
+}
+
 TEST(the_beginning_of_a_route_that_pays_best_counts) {
   Random random(7);
   for (int round = 0; round < 200; ++round) {

@@ -103,6 +103,39 @@ TEST(remembered_frames_are_those_of_the_map_as_it_is) {
   CHECK(framed > 100);
 }
 
+TEST(what_is_predicted_is_the_same_whatever_was_asked_before) {
+  Random random(6);
+  TsdfMap map = implicit_scene(
+      0.2, 24, [](const Point3& p) { return p.z() + 0.3 * std::sin(2.0 * p.x()); },
+      [](const Point3& p) { return p.x() < 0.5 || p.y() < 0.0; });
+  VoxelStateMap states(map);
+  SurfacePredictor predict;
+  PredictionOptions options{.reach = 1.4};
+  std::size_t patches = 0;
+  for (int round = 0; round < 40; ++round) {
+    const auto somewhere = [&](int half) {
+      return static_cast<int>(random.below(static_cast<std::uint64_t>(2 * half))) - half;
+    };
+    const VoxelIndex spot(somewhere(23), somewhere(23), somewhere(3));
+    paint(map, spot, spot + VoxelIndex::Constant(3), [&](const VoxelIndex& v) {
+      return v.z() > 0 ? VoxelState::empty : VoxelState::occupied;
+    });
+    states.update(map);
+    if (round == 30) options.spread = 0.0;
+    std::vector<IncompleteElement> elements = elements_of(map);
+    // Some are not asked for, and come back when the map has changed beside them.
+    std::erase_if(elements, [&](const auto&) { return random.below(4) == 0; });
+    const auto known = predict(elements, states, options);
+    const auto fresh = predict_surface(elements, states, options);
+    CHECK(known.size() == fresh.size());
+    for (std::size_t i = 0; i < fresh.size() && known.size() == fresh.size(); ++i)
+      CHECK(known[i].position == fresh[i].position && known[i].normal == fresh[i].normal &&
+            known[i].area == fresh[i].area);
+    patches += fresh.size();
+  }
+  CHECK(patches > 1000);
+}
+
 TEST(a_floor_goes_on_around_its_rim) {
   const double voxel = 0.25, reach = 2.0, step = 0.5;
   const TsdfMap map = floor_scene(11, 8, voxel);

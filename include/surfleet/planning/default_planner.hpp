@@ -17,6 +17,7 @@ using DefaultPlanner = WithSpaceLooks<RollingTours>;
 
 inline DefaultPlanner default_planner(const PlannerSettings& s = {}) {
   RollingToursOptions tours;
+  tours.threads = s.threads;
   if (s.utility_share) tours.utility_share = *s.utility_share;
   return WithSpaceLooks(RollingTours(tours), SpaceLooksOptions{.distance = s.standoff});
 }

@@ -96,9 +96,9 @@ class Interest {
                      std::vector<SightTarget>& targets) {
     const double voxel = situation.belief.known().voxel_size();
     const double reach = options.prediction_reach * range;
-    for (const PredictedPatch& p : predict_surface(
-             situation.goals, situation.belief.known(),
-             {.reach = reach, .step = 2.0 * voxel, .region = situation.belief.region()}, frames_)) {
+    for (const PredictedPatch& p :
+         predict_(situation.goals, situation.belief.known(),
+                  {.reach = reach, .step = 2.0 * voxel, .region = situation.belief.region()})) {
       const auto vain = vain_.find(cell_of(p.position, voxel));
       const double hope = vain == vain_.end() ? 1.0 : std::pow(0.5, vain->second);
       targets.push_back({p.position, p.normal, options.prediction_gain * p.area * hope,
@@ -134,7 +134,7 @@ class Interest {
 
   std::vector<std::vector<std::int32_t>> members_;  // goals by target
   std::size_t elements_ = 0, predicted_ = 0;        // where their targets end
-  SurfaceFrameMemory frames_;
+  SurfacePredictor predict_;
   UnseenSpace frontier_;
   std::map<VoxelKey, int> vain_;  // views of predicted surface
 };

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -62,39 +62,42 @@ class LatticeViews {
   bool any(const VoxelIndex& cell) const { return most_.at_any_heading(cell) > 0.0; }
 
   // A model of `ViewsFromSites`.
+  double most(std::size_t s) const {
+    const Site& site = places_[s].site;
+    return share_of(site) * (any(site.cell) ? best(most_(site.cell)) : 0.0);
+  }
   double look(std::size_t s, double enough, GainByHeading& gain) {
     Place& place = places_[s];
-    const double share = place.site.known ? 1.0 : unknown_gain_;
-    const auto best = [&](const GainByHeading& g) {
-      return share * *std::max_element(g.begin(), g.end());
-    };
-    if (place.view == nullptr) {
-      if (const double any = share * most_.at_any_heading(place.site.cell); any <= enough)
-        return any;
-      if (const double most = best(most_(place.site.cell)); most <= enough) return most;
-    }
+    const double share = share_of(place.site);
     View& view = view_of(place);
     gain = worth_by_heading(*targets_, view.seen, done_);
-    if (const double most = best(gain); most <= enough) return most;
-    if (!view.complete()) {
-      cast(place.site, view, [&](const Sighting& hidden) {
-        const auto target = static_cast<std::size_t>(hidden.target);
-        if (done_[target] != 0) return true;
-        for (unsigned bits = hidden.headings; bits != 0; bits &= bits - 1)
-          gain[static_cast<std::size_t>(std::countr_zero(bits))] -= (*targets_)[target].worth;
-        return best(gain) + kRounding > enough;
-      });
-      if (!view.complete()) return enough;
-      gain = worth_by_heading(*targets_, view.seen, done_);
-    }
+    if (const double most = share * best(gain); most <= enough) return most;
+    // Lines of sight are told for headings that may yet be enough.
+    const auto may_do = [&] {
+      unsigned headings = 0;
+      for (std::size_t k = 0; k < kHeadings; ++k)
+        if (share * gain[k] + kRounding > enough) headings |= 1U << k;
+      return headings;
+    };
+    unsigned wanted = may_do();
+    cast(place.site, view, wanted, [&](const Sighting& hidden) {
+      for (unsigned bits = hidden.headings; bits != 0; bits &= bits - 1)
+        gain[static_cast<std::size_t>(std::countr_zero(bits))] -=
+            (*targets_)[static_cast<std::size_t>(hidden.target)].worth;
+      return wanted = may_do();
+    });
+    if (wanted == 0) return share * best(gain) + kRounding;
+    gain = worth_by_heading(*targets_, view.seen, done_);
     const std::size_t n = node(s);
     for (std::size_t k = 0; k < kHeadings; ++k)
       gain[k] = vain_->contains(n, static_cast<int>(k), gain[k]) ? 0.0 : share * gain[k];
-    return *std::max_element(gain.begin(), gain.end());
+    return best(gain);
   }
   void take(std::size_t s, int heading) {
-    View& view = view_of(places_[s]);
-    if (!view.complete()) cast(places_[s].site, view, [](const Sighting&) { return true; });
+    Place& place = places_[s];
+    View& view = view_of(place);
+    const unsigned wanted = 1U << heading;
+    cast(place.site, view, wanted, [&](const Sighting&) { return wanted; });
     mark_in_view(view.seen, heading, done_, [](std::size_t) {});
   }
 
@@ -107,46 +110,53 @@ class LatticeViews {
 
  private:
   struct View {
-    std::vector<Sighting> seen;
-    std::size_t in_sight = 0;  ///< So many are known to be in sight, the rest may be.
-    bool complete() const { return in_sight == seen.size(); }
+    std::vector<Sighting> seen;  ///< All that may be in sight.
+    std::vector<char> sure;      ///< Those that are.
   };
   struct Place {
     Site site;
-    View* view = nullptr;
+    std::optional<View> view{};
   };
   static constexpr double kRounding = 1e-9;  ///< Of sums of gain [m²].
 
-  View& view_of(Place& place) {
-    if (place.view == nullptr) {
-      const auto [it, fresh] = views_.try_emplace(lattice_->index(place.site.cell));
-      place.view = &it->second;
-      if (fresh) {
-        const auto view = targets_->in_view(lattice_->position(place.site.cell), buffer_);
-        it->second.seen.assign(view.begin(), view.end());
-      }
+  double share_of(const Site& site) const { return site.known ? 1.0 : unknown_gain_; }
+  static double best(const GainByHeading& gain) {
+    return *std::max_element(gain.begin(), gain.end());
+  }
+  View& view_of(Place& place) const {
+    if (!place.view) {
+      thread_local std::vector<Sighting> buffer;
+      const auto view = targets_->in_view(lattice_->position(place.site.cell), buffer);
+      place.view = View{{view.begin(), view.end()}, std::vector<char>(view.size(), 0)};
     }
     return *place.view;
   }
-  /// Leaves of a view what is in sight. `go_on` is told of each target that is not, and may put the
-  /// rest off.
-  template <typename GoOn>
-  void cast(const Site& site, View& view, GoOn&& go_on) {
+  /// Leaves of a view, at the wanted headings, what is in sight and counts yet, in its order.
+  /// `still_wanted` is told of each target that is not in sight, and says which headings are from
+  /// then on.
+  template <typename StillWanted>
+  void cast(const Site& site, View& view, unsigned wanted, StillWanted&& still_wanted) const {
     MapSight sees = targets_->sight();
     if (!site.known) sees.look_through_unknown();
     const Point3 position = lattice_->position(site.cell);
-    std::size_t next = view.in_sight;
-    for (bool on = true; on && next < view.seen.size(); ++next) {
-      const Sighting& s = view.seen[next];
-      if (sees(position, (*targets_)[static_cast<std::size_t>(s.target)]))
-        view.seen[view.in_sight++] = s;
-      else
-        on = go_on(s);
+    std::size_t left = 0;
+    for (std::size_t k = 0; k < view.seen.size(); ++k) {
+      const Sighting s = view.seen[k];
+      const auto target = static_cast<std::size_t>(s.target);
+      if (done_[target] != 0) continue;
+      char sure = view.sure[k];
+      if (sure == 0 && (s.headings & wanted) != 0) {
+        if (!sees(position, (*targets_)[target])) {
+          wanted = still_wanted(s);
+          continue;
+        }
+        sure = 1;
+      }
+      view.seen[left] = s;
+      view.sure[left++] = sure;
     }
-    const auto at = [&](std::size_t k) {
-      return view.seen.begin() + static_cast<std::ptrdiff_t>(k);
-    };
-    view.seen.erase(at(view.in_sight), at(next));
+    view.seen.resize(left);
+    view.sure.resize(left);
   }
 
   const SightTargets<>* targets_;
@@ -156,8 +166,6 @@ class LatticeViews {
   double unknown_gain_;
   std::vector<char> done_;  // by target
   std::vector<Place> places_;
-  std::unordered_map<std::size_t, View> views_;  // by node
-  std::vector<Sighting> buffer_;
 };
 static_assert(ViewsFromSites<LatticeViews>);
 }  // namespace surfleet

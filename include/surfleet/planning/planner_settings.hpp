@@ -21,5 +21,6 @@ struct PlannerSettings {
   double printed_share = 0.8;
   /// The same of whatever planner, in place of its own.
   std::optional<double> utility_share{};
+  int threads = 1;  ///< Of the default planner; plans are the same for any number.
 };
 }  // namespace surfleet

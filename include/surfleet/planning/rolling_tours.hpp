@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/core/parallel.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
 #include <surfleet/motion/taut_path.hpp>
@@ -39,6 +40,7 @@ struct RollingToursOptions {
   /// So far beside their places stops may be for a shorter way, over the range.
   double slack = 0.2;
   double utility_share = 0.2;  ///< A new plan is wanted when so much of a route is complete.
+  int threads = 1;             ///< Plans are the same for any number.
 };
 
 /// Tours of the whole team over all there is to see, rolled on with every image.
@@ -59,24 +61,34 @@ class RollingTours {
   Plan operator()(const SurfaceSituation& s) {
     const double range = s.space().kind.camera.max_range;
     FlightLattice<FreeSpace>& lattice = follow(s.space().free, options.spacing_share * range);
-    const SightTargets<> targets(interest_(s), MapSight(s.belief.observed()), s.space().headings,
-                                 {.max_range = options.view_range * range});
+    // Who has no view that can be hoped for has those that can be flown to; from everywhere only
+    // where there is nothing to be seen from some places.
+    const Search near{kReach * range, kFine * range}, anywhere{};
+    optimistic_.options = options.ways;
+    optimistic_.follow(s.space().free, lattice.spacing());
+    std::optional<SightTargets<>> seen;
+    // What is worth seeing and where one can be are found at the same time.
+    parallel_for(2, options.threads, [&](std::size_t part) {
+      if (part == 0)
+        seen.emplace(interest_(s), MapSight(s.belief.observed()), s.space().headings,
+                     TargetSightOptions{.max_range = options.view_range * range});
+      else
+        reach_from(s, near, lattice);
+    });
+    const SightTargets<>& targets = *seen;
     for (const RobotId id : s.asked) note_what_is_left(s, targets, lattice, s.robot(id).at);
     Plan plan;
     plan.replan = {
         .utility_share = options.utility_share, .turn_in_flight = true, .watch_on = true};
     for (const RobotId id : s.asked) plan.routes[id];
-    // Who has no view that can be hoped for has those that can be flown to; from everywhere only
-    // where there is nothing to be seen from some places.
-    const Search near{kReach * range, kFine * range}, anywhere{};
-    const auto plan_both = [&](Search search) {
-      for (const bool hopeful : {true, false}) {
-        search.hopeful = hopeful;
-        plan_within(search, s, targets, lattice, plan);
-      }
+    const auto plan_both = [&] {
+      for (const bool hopeful : {true, false}) plan_within(hopeful, s, targets, lattice, plan);
     };
-    plan_both(near);
-    if (plan.nothing()) plan_both(anywhere);
+    plan_both();
+    if (plan.nothing()) {
+      reach_from(s, anywhere, lattice);
+      plan_both();
+    }
     const bool found = !plan.nothing();
     const bool nowhere = !found && s.asked.size() == s.team.size();
     for (const IncompleteElement& e : s.goals) {
@@ -95,7 +107,13 @@ class RollingTours {
   struct Search {
     double farthest = std::numeric_limits<double>::infinity();
     double fine = std::numeric_limits<double>::infinity();
-    bool hopeful = true;  ///< Or else in known space alone.
+  };
+  /// A node of the lattice that may be reached.
+  struct Reached {
+    VoxelIndex cell;
+    Point3 position;
+    double distance;  // [m]
+    bool known;       // to be free
   };
   /// A robot that a route is looked for: where it starts, and what can be reached from there.
   struct Waiting {
@@ -110,8 +128,9 @@ class RollingTours {
     std::vector<std::vector<double>> distances;  // by who waits and site [m]
   };
 
-  /// Routes for those who are asked for and have none yet.
-  void plan_within(const Search& search, const SurfaceSituation& s, const SightTargets<>& targets,
+  /// Routes for those who are asked for and have none yet, by way of what was reached; unless
+  /// `hopeful`, in known space alone.
+  void plan_within(bool hopeful, const SurfaceSituation& s, const SightTargets<>& targets,
                    Lattice& lattice, Plan& plan) {
     std::vector<Waiting> waiting;
     std::vector<const Stops*> under_way;
@@ -129,7 +148,7 @@ class RollingTours {
     LatticeViews views(targets, lattice, s.space().headings, vain_, options.unknown_gain);
     for (const Stops* route : under_way)
       for (const Stop& stop : *route) views.mark(stop.configuration);
-    Sites sites = find_sites(search, s, lattice, waiting, views);
+    Sites sites = find_sites(hopeful, lattice, waiting, views);
     std::vector<TourStart> starts;
     for (std::size_t w = 0; w < waiting.size(); ++w) {
       starts.push_back({s.robot(waiting[w].id).at, std::move(sites.distances[w]), options.stops});
@@ -153,7 +172,8 @@ class RollingTours {
                                  {.stop_cost = options.stop_share * range,
                                   .turn_cost = options.turn_cost,
                                   .keep = options.keep,
-                                  .balance = options.balance})();
+                                  .balance = options.balance,
+                                  .threads = options.threads})();
     for (std::size_t w = 0; w < waiting.size(); ++w) {
       goals_.erase(waiting[w].id);
       if (tours[w].empty()) continue;
@@ -180,28 +200,36 @@ class RollingTours {
     return best.outlook();
   }
 
-  Sites find_sites(const Search& search, const SurfaceSituation& s, Lattice& lattice,
-                   std::span<const Waiting> waiting, LatticeViews& views) {
+  /// The nodes that may be reached by who is asked for, in the order of their distance.
+  void reach_from(const SurfaceSituation& s, const Search& search, Lattice& lattice) {
+    reached_.clear();
+    for (const RobotId id : s.asked)
+      optimistic_.search(s.space().free.free_start(s.robot(id).at.position), lattice,
+                         [&, &nodes = reached_[id]](const auto& site, bool known) {
+                           if (site.distance > search.farthest) return false;
+                           const VoxelIndex& c = site.cell;
+                           if (((c.x() | c.y() | c.z()) & 1) == 0 || site.distance <= search.fine)
+                             nodes.push_back({c, site.position, site.distance, known});
+                           return true;
+                         });
+  }
+  Sites find_sites(bool hopeful, const Lattice& lattice, std::span<const Waiting> waiting,
+                   LatticeViews& views) const {
     Sites sites;
-    optimistic_.options = options.ways;
-    optimistic_.follow(s.space().free, lattice.spacing());
     std::vector<std::vector<std::pair<std::size_t, double>>> found(waiting.size());
     for (std::size_t w = 0; w < waiting.size(); ++w)
-      optimistic_.search(waiting[w].start, lattice, [&](const auto& site, bool known) {
-        if (site.distance > search.farthest) return false;
-        const bool coarse = ((site.cell.x() | site.cell.y() | site.cell.z()) & 1) == 0;
-        if (!(known || search.hopeful) || !(coarse || site.distance <= search.fine) ||
-            !views.any(site.cell) || (known && !waiting[w].reach(site.position)))
-          return true;
+      for (const Reached& node : reached_.at(waiting[w].id)) {
+        if (!(node.known || hopeful) || !views.any(node.cell) ||
+            (node.known && !waiting[w].reach(node.position)))
+          continue;
         const auto [it, fresh] =
-            sites.by_node.try_emplace(lattice.index(site.cell), sites.positions.size());
+            sites.by_node.try_emplace(lattice.index(node.cell), sites.positions.size());
         if (fresh) {
-          sites.positions.push_back(site.position);
-          views.add({site.cell, known});
+          sites.positions.push_back(node.position);
+          views.add({node.cell, node.known});
         }
-        found[w].emplace_back(it->second, site.distance);
-        return true;
-      });
+        found[w].emplace_back(it->second, node.distance);
+      }
     for (const auto& reached : found) {
       sites.distances.emplace_back(sites.positions.size(), std::numeric_limits<double>::infinity());
       for (const auto& [site, distance] : reached) sites.distances.back()[site] = distance;
@@ -306,7 +334,7 @@ class RollingTours {
     Point3 at;
     VoxelIndex cell;
   };
-  static constexpr double kReach = 8.0, kFine = 1.0;  ///< See `plan_within`, over the range.
+  static constexpr double kReach = 8.0, kFine = 1.0;  ///< See `Search`, over the range.
   static constexpr std::size_t kGiven = 2;            ///< Stops given out to each robot at a time.
   static constexpr double kEnough = 0.7;              ///< Of a view's gain, for it to be moved.
   static constexpr double kLeastMove = 0.05;          ///< Of a stop [m].
@@ -317,8 +345,9 @@ class RollingTours {
   OpeningLooks opening_;
   ViewsInVain vain_;
   std::optional<Lattice> lattice_;
-  std::uint64_t followed_ = 0;            // revision of its space
-  std::vector<Moved> moved_;              // of the stops given out last
-  std::map<RobotId, std::size_t> goals_;  // the node each was sent to
+  std::uint64_t followed_ = 0;                       // revision of its space
+  std::map<RobotId, std::vector<Reached>> reached_;  // by who is asked for
+  std::vector<Moved> moved_;                         // of the stops given out last
+  std::map<RobotId, std::size_t> goals_;             // the node each was sent to
 };
 }  // namespace surfleet

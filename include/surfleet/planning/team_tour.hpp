@@ -17,6 +17,7 @@
 #include <surfleet/allocation/cheapest_insertion.hpp>
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/lin_kernighan.hpp>
+#include <surfleet/core/parallel.hpp>
 #include <surfleet/core/rotation.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
@@ -28,11 +29,14 @@ using GainByHeading = std::array<double, kHeadings>;
 /// What views from sites would show, as stops are taken one after the other.
 ///
 /// `look(s, enough, gain)` is no less than the gain of the best view from site s; if it is above
-/// `enough` it is that, and `gain` is by heading, so what is clearly too little need not be looked
-/// at. It never grows. `take(s, heading)` says that what is seen there counts no more.
+/// `enough` it is that, and `gain` is by heading wherever it is above, so what is clearly too
+/// little need not be looked at. It never grows, and looks from different sites may be taken at
+/// once. `most(s)` is no less than it was at first, and quickly told. `take(s, heading)` says that
+/// what is seen there counts no more.
 template <typename V>
 concept ViewsFromSites = requires(V& views, std::size_t s, double enough, GainByHeading& gain,
                                   int heading) {
+  { views.most(s) } -> std::convertible_to<double>;
   { views.look(s, enough, gain) } -> std::convertible_to<double>;
   views.take(s, heading);
 };
@@ -44,6 +48,7 @@ struct TeamTourOptions {
   /// What a metre costs that a robot's tour is longer than the shortest of the team: others are
   /// there sooner.
   double balance = 0.3;
+  int threads = 1;  ///< The result is the same for any number.
 };
 /// Where a robot's tour begins.
 struct TourStart {
@@ -80,14 +85,17 @@ class TeamTours {
   }
 
   std::vector<std::vector<TeamTourStop>> operator()() {
-    std::vector<double> most(sites_.size(), std::numeric_limits<double>::infinity());
+    std::vector<double> most(sites_.size());
+    parallel_for(
+        sites_.size(), options_.threads, [&](std::size_t s) { most[s] = views_->most(s); }, 256);
     while (const auto best = best_insertion(most)) {
       tours_[best->tour].insert(best->stop, best->leg, options_.stop_cost);
       views_->take(best->stop.site, best->stop.heading);
     }
-    std::vector<std::vector<TeamTourStop>> ordered;
-    for (const Tour& tour : tours_)
-      ordered.push_back(tour.start->asked ? in_order(tour) : tour.stops);
+    std::vector<std::vector<TeamTourStop>> ordered(tours_.size());
+    parallel_for(tours_.size(), options_.threads, [&](std::size_t t) {
+      ordered[t] = tours_[t].start->asked ? in_order(tours_[t]) : tours_[t].stops;
+    });
     return ordered;
   }
 
@@ -135,6 +143,25 @@ class TeamTours {
   struct Insertion {
     TeamTourStop stop;
     std::size_t tour = 0, leg = 0;
+
+    bool better_than(const Insertion& other) const {
+      return stop.rate != other.stop.rate ? stop.rate > other.stop.rate
+                                          : stop.rate > 0.0 && stop.site < other.stop.site;
+    }
+  };
+  /// A site that may be worth a stop.
+  struct Candidate {
+    double most_rate = 0.0;
+    std::size_t site = 0;
+    double cheapest = 0.0;  ///< No insertion costs less [m].
+
+    bool operator<(const Candidate& o) const {  // for a heap
+      return most_rate != o.most_rate ? most_rate < o.most_rate : site > o.site;
+    }
+  };
+  /// What inserting a site in a tour costs, turns aside, and what at least with them [m].
+  struct InsertionCost {
+    double metres = std::numeric_limits<double>::infinity(), least = metres;
   };
 
   double turn(double a, double b) const { return options_.turn_cost * std::abs(wrap_angle(a - b)); }
@@ -145,44 +172,91 @@ class TeamTours {
                : before + turn(yaw, tour.yaw(leg + 1)) - turn(tour.yaw(leg), tour.yaw(leg + 1));
   }
 
+  InsertionCost cost_of(const Tour& tour, std::size_t s, double shortest) const {
+    if (tour.full() || std::isinf(tour.start->distance[s])) return {};
+    const double keep = tour.start->goal == s ? 1.0 / options_.keep : 1.0;
+    InsertionCost cost;
+    cost.metres = keep * (std::max(tour.insertion[s].extra, 0.0) + options_.stop_cost +
+                          options_.balance * (tour.length - shortest));
+    // Turning may come for less than nothing, but never for so much less.
+    cost.least =
+        std::max(cost.metres - 2.0 * kPi * options_.turn_cost, 0.5 * keep * options_.stop_cost);
+    return cost;
+  }
+  /// Looks are taken where most may be gained for a metre, and as long as that may be the best,
+  /// first where they were best the last time. Some at a time, whatever the number of threads is,
+  /// so that all take the same.
   std::optional<Insertion> best_insertion(std::vector<double>& most) {
-    std::optional<Insertion> best;
-    double best_rate = 0.0, shortest = std::numeric_limits<double>::infinity();
+    double shortest = std::numeric_limits<double>::infinity();
     for (const Tour& t : tours_)
       if (!t.full()) shortest = std::min(shortest, t.length);
-    std::vector<double> cost(tours_.size()), least(tours_.size());
-    GainByHeading gain;
-    const double floor = 0.5 * options_.stop_cost / std::max(options_.keep, 1.0);
-    for (std::size_t s = 0; s < sites_.size(); ++s) {
-      if (most[s] <= best_rate * floor) continue;  // most are
-      double cheapest = std::numeric_limits<double>::infinity();
-      for (std::size_t t = 0; t < tours_.size(); ++t) {
-        const Tour& tour = tours_[t];
-        cost[t] = std::numeric_limits<double>::infinity();
-        if (tour.full() || std::isinf(tour.start->distance[s])) continue;
-        const double keep = tour.start->goal == s ? 1.0 / options_.keep : 1.0;
-        cost[t] = keep * (std::max(tour.insertion[s].extra, 0.0) + options_.stop_cost +
-                          options_.balance * (tour.length - shortest));
-        // Turning may come for less than nothing, but never for so much less.
-        least[t] =
-            std::max(cost[t] - 2.0 * kPi * options_.turn_cost, 0.5 * keep * options_.stop_cost);
-        cheapest = std::min(cheapest, least[t]);
+    Insertion best;
+    std::vector<Insertion> tried;
+    std::array<Candidate, kLooks> batch;
+    std::array<Insertion, kLooks> found;
+    const auto look = [&](std::size_t count) {
+      parallel_for(count, options_.threads, [&](std::size_t k) {
+        found[k] = best_at(batch[k], best.stop.rate, shortest, most[batch[k].site]);
+      });
+      for (std::size_t k = 0; k < count; ++k) {
+        if (found[k].stop.rate > 0.0) tried.push_back(found[k]);
+        if (found[k].better_than(best)) best = found[k];
       }
-      if (std::isinf(cheapest) || most[s] <= best_rate * cheapest) continue;
-      most[s] = views_->look(s, best_rate * cheapest, gain);
-      if (most[s] <= best_rate * cheapest) continue;
-      for (std::size_t t = 0; t < tours_.size(); ++t) {
-        if (std::isinf(cost[t])) continue;
-        const std::size_t leg = tours_[t].insertion[s].leg;
-        for (std::size_t k = 0; k < kHeadings; ++k) {
-          const int heading = static_cast<int>(k);
-          if (gain[k] <= best_rate * least[t]) continue;
-          const double metres =
-              std::max(cost[t] + turn_at(tours_[t], leg, heading_angle(heading)), least[t]);
-          if (gain[k] <= best_rate * metres) continue;
-          best_rate = gain[k] / metres;
-          best = Insertion{{s, heading, best_rate, gain[k]}, t, leg};
-        }
+    };
+    std::size_t count = 0;
+    for (const std::size_t s : promising_)
+      if (const auto c = candidate(s, shortest, most[s])) batch[count++] = *c;
+    look(count);
+    const double floor = 0.5 * options_.stop_cost / std::max(options_.keep, 1.0);
+    std::vector<Candidate> open;
+    for (std::size_t s = 0; s < sites_.size(); ++s) {
+      if (most[s] <= best.stop.rate * floor) continue;  // most are
+      const auto c = candidate(s, shortest, most[s]);
+      if (c && c->most_rate > best.stop.rate) open.push_back(*c);
+    }
+    std::make_heap(open.begin(), open.end());
+    for (;;) {
+      for (count = 0; count < kLooks && !open.empty() && open.front().most_rate > best.stop.rate;) {
+        std::pop_heap(open.begin(), open.end());
+        batch[count++] = open.back();
+        open.pop_back();
+      }
+      if (count == 0) break;
+      look(count);
+    }
+    std::stable_sort(tried.begin(), tried.end(), [](const Insertion& a, const Insertion& b) {
+      return a.stop.rate > b.stop.rate;
+    });
+    promising_.clear();
+    for (std::size_t k = 0; k < tried.size() && promising_.size() < kLooks; ++k)
+      if (tried[k].stop.site != best.stop.site) promising_.push_back(tried[k].stop.site);
+    return best.stop.rate > 0.0 ? std::optional(best) : std::nullopt;
+  }
+  /// Nothing where no tour takes the site.
+  std::optional<Candidate> candidate(std::size_t s, double shortest, double most) const {
+    double cheapest = std::numeric_limits<double>::infinity();
+    for (const Tour& tour : tours_) cheapest = std::min(cheapest, cost_of(tour, s, shortest).least);
+    if (std::isinf(cheapest)) return std::nullopt;
+    return Candidate{most / cheapest, s, cheapest};
+  }
+  /// The best insertion of a site, if it is better than `best_rate`; else one without gain.
+  Insertion best_at(const Candidate& c, double best_rate, double shortest, double& most) const {
+    Insertion best;
+    GainByHeading gain;
+    most = std::min(most, static_cast<double>(views_->look(c.site, best_rate * c.cheapest, gain)));
+    if (most <= best_rate * c.cheapest) return best;
+    for (std::size_t t = 0; t < tours_.size(); ++t) {
+      const InsertionCost cost = cost_of(tours_[t], c.site, shortest);
+      if (std::isinf(cost.metres)) continue;
+      const std::size_t leg = tours_[t].insertion[c.site].leg;
+      for (std::size_t k = 0; k < kHeadings; ++k) {
+        const int heading = static_cast<int>(k);
+        if (gain[k] <= best_rate * cost.least) continue;
+        const double metres =
+            std::max(cost.metres + turn_at(tours_[t], leg, heading_angle(heading)), cost.least);
+        if (gain[k] <= best_rate * metres) continue;
+        best_rate = gain[k] / metres;
+        best = {{c.site, heading, best_rate, gain[k]}, t, leg};
       }
     }
     return best;
@@ -200,9 +274,12 @@ class TeamTours {
     return ordered;
   }
 
+  static constexpr std::size_t kLooks = 8;  ///< Taken at a time.
+
   std::span<const Point3> sites_;
   Views* views_;
   TeamTourOptions options_;
   std::vector<Tour> tours_;
+  std::vector<std::size_t> promising_;  // sites next best the last time
 };
 }  // namespace surfleet

@@ -14,9 +14,12 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/core/random.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/mapping/voxel_grid.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
@@ -172,84 +175,198 @@ class SurfaceFrameMemory {
 };
 
 /// Continues the surface beyond its border: from every element's frame, lanes run in the tangent
-/// plane through unknown voxels for up to `reach`, and end where the map is known again.
+/// plane through unknown voxels for up to `reach`, and end where the map is known again. For one
+/// map, which may change from call to call.
 ///
 /// Lanes leave along the tangent and `spread` to both sides of it. Patches that fall into the same
 /// cell of a lattice of `step`, facing alike, are one, averaged. A patch's area is what a plane of
 /// its slope takes of a cell on average. In the order of the elements that first led there.
-/// O(elements × reach / step). `frames` serves later calls for the same map.
-inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteElement> elements,
-                                                   const VoxelStateMap& map,
-                                                   const PredictionOptions& options,
-                                                   SurfaceFrameMemory& frames) {
-  const double voxel = map.voxel_size();
-  const double step = options.step > 0.0 ? options.step : 2.0 * voxel;
-  require(options.reach > 0.0 && std::isfinite(options.reach) && options.reach <= 1e4 * step,
-          "surface prediction: expected a reach of more than 0 and at most 10 000 steps");
+/// O(elements × reach / step) at first; then states are read and frames fitted for elements within
+/// some reaches of a change alone.
+class SurfacePredictor {
+ public:
+  std::vector<PredictedPatch> operator()(std::span<const IncompleteElement> elements,
+                                         const VoxelStateMap& map,
+                                         const PredictionOptions& options) {
+    begin(map, options);
+    VoxelStateMap::Accessor state(map);
+    std::vector<std::int32_t> patch_of(cells_, -1);  // by cell and side
+    std::vector<Sum> sums;
+    for (const IncompleteElement& e : elements) {
+      Known& known = known_[key_of(e.voxel)];
+      if (known.turn == 0 || known.turn + 1 != turn_ || has_changed_around(e.voxel)) {
+        walk(map, state, e.voxel, known);
+        patch_of.resize(cells_, -1);
+      }
+      known.turn = turn_;
+      if (!known.frame) continue;
+      const SurfaceFrame& frame = *known.frame;
+      std::size_t next = 0;
+      for (std::size_t lane = 0; lane < lanes(); ++lane) {
+        const Eigen::Vector3d along = direction(frame, lane);
+        for (std::size_t k = known.first[lane]; k < known.last[lane]; ++k) {
+          const Point3 p = frame.point + steps_[k] * along;
+          std::int32_t& id = patch_of[known.cells[next++]];
+          if (id < 0) {
+            id = static_cast<std::int32_t>(sums.size());
+            sums.push_back({p, frame.normal, 1.0});
+          } else {
+            Sum& sum = sums[static_cast<std::size_t>(id)];
+            sum.position += p;
+            sum.normal += frame.normal;
+            sum.count += 1.0;
+          }
+        }
+      }
+    }
+    end(map, elements.size());
+    std::vector<PredictedPatch> patches;
+    patches.reserve(sums.size());
+    for (const Sum& sum : sums) {
+      const Eigen::Vector3d normal = sum.normal.normalized();
+      patches.push_back({sum.position / sum.count, normal, step_ * step_ / normal.lpNorm<1>()});
+    }
+    return patches;
+  }
+
+ private:
   struct Cell {
-    std::array<std::int32_t, 6> patch{-1, -1, -1, -1, -1, -1};  ///< By the normal's main direction.
+    std::array<std::int32_t, 6> number{-1, -1, -1,
+                                       -1, -1, -1};  ///< By the normal's main direction.
   };
   struct Sum {
     Eigen::Vector3d position, normal;
     double count;
   };
-  using Lattice = VoxelGrid<Cell, 4>;
-  Lattice lattice({.voxel_size = step});
-  Lattice::Writer cells(lattice);
-  std::vector<Sum> sums;
-  VoxelStateMap::Accessor state(map);
-  const VoxelStateMap::Grid& grid = map.grid();
+  /// An element's frame and the cells that its lanes lead through, step by step.
+  struct Known {
+    std::optional<SurfaceFrame> frame;
+    std::array<std::uint32_t, 3> first{}, last{};  // steps in unknown space, by lane
+    std::vector<std::uint32_t> cells;              // of all lanes, one after the other
+    std::uint64_t turn = 0;                        // it was last asked for; 0: never
+  };
+  struct KeyHash {
+    std::size_t operator()(const VoxelKey& k) const {
+      const auto u = [](int i) {
+        return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i));
+      };
+      return static_cast<std::size_t>(mix64(mix64(u(k[0]) << 32 | u(k[1])) ^ u(k[2])));
+    }
+  };
 
-  const std::array<double, 3> angles = {0.0, options.spread, -options.spread};
-  const double stride = 0.5 * step;
-  for (const IncompleteElement& e : elements) {
-    const auto frame = frames(map, state, e.voxel, options.window);
-    if (!frame) continue;
+  void begin(const VoxelStateMap& map, const PredictionOptions& o) {
+    const double voxel = map.voxel_size();
+    const double step = o.step > 0.0 ? o.step : 2.0 * voxel;
+    require(o.reach > 0.0 && std::isfinite(o.reach) && o.reach <= 1e4 * step,
+            "surface prediction: expected a reach of more than 0 and at most 10 000 steps");
+    const bool other = map_ != &map || step != step_ || o.reach != options_.reach ||
+                       o.window != options_.window || o.spread != options_.spread ||
+                       o.region.min() != options_.region.min() ||
+                       o.region.max() != options_.region.max();
+    if (other || cells_ > kMostCells * cells_at_first_ + 4096) {
+      *this = SurfacePredictor();
+      map_ = &map;
+      options_ = o;
+      step_ = step;
+      lattice_ = Lattice({.voxel_size = step});
+      for (double s = 0.0; s <= o.reach; s += 0.5 * step) steps_.push_back(s);
+      // Whatever a lane depends on is no farther off than this, in blocks.
+      const double far = o.reach + (o.window + 2) * voxel;
+      wide_ = static_cast<int>(std::ceil(far / (voxel * VoxelStateMap::Grid::kBlockSide)));
+    }
+    ++turn_;
+    changed_.clear();
+    near_change_.clear();
+    for (const std::uint32_t slot : map.grid().changed_since(cursor_))
+      changed_.insert(coarse(map.grid().block(slot).index));
+  }
+  void end(const VoxelStateMap& map, std::size_t elements) {
+    cursor_ = map.grid().revision();
+    if (cells_at_first_ == 0) cells_at_first_ = cells_;
+    if (known_.size() > 2 * elements + 64)
+      std::erase_if(known_, [&](const auto& k) { return k.second.turn != turn_; });
+    frames_.end_turn(elements);
+  }
+  VoxelKey coarse(const BlockIndex& b) const {
+    const auto down = [&](int i) { return i >= 0 ? i / wide_ : -((wide_ - 1 - i) / wide_); };
+    return {down(b.x()), down(b.y()), down(b.z())};
+  }
+  /// Since the last call.
+  bool has_changed_around(const VoxelIndex& element) {
+    const VoxelKey c = coarse(VoxelStateMap::Grid::block_of(element));
+    if (c == last_asked_ && !near_change_.empty()) return last_answer_;
+    const auto [it, fresh] = near_change_.try_emplace(c, false);
+    if (fresh)
+      for_each_index(VoxelIndex(c[0] - 1, c[1] - 1, c[2] - 1),
+                     VoxelIndex(c[0] + 1, c[1] + 1, c[2] + 1),
+                     [&, &changed = it->second](const VoxelIndex& beside) {
+                       changed = changed || changed_.contains(key_of(beside));
+                     });
+    last_asked_ = c;
+    return last_answer_ = it->second;
+  }
+  std::size_t lanes() const { return options_.spread > 0.0 ? 3 : 1; }
+  Eigen::Vector3d direction(const SurfaceFrame& frame, std::size_t lane) const {
+    const std::array<double, 3> angles = {0.0, options_.spread, -options_.spread};
+    const Eigen::Vector3d across = frame.normal.cross(frame.tangent);
+    return std::cos(angles[lane]) * frame.tangent + std::sin(angles[lane]) * across;
+  }
+  void walk(const VoxelStateMap& map, VoxelStateMap::Accessor& state, const VoxelIndex& element,
+            Known& known) {
+    known.cells.clear();
+    known.frame = frames_(map, state, element, options_.window);
+    if (!known.frame) return;
+    const SurfaceFrame& frame = *known.frame;
     int main_axis = 0;
-    frame->normal.cwiseAbs().maxCoeff(&main_axis);
+    frame.normal.cwiseAbs().maxCoeff(&main_axis);
     const auto side =
-        static_cast<std::size_t>(2 * main_axis + (frame->normal[main_axis] > 0.0 ? 0 : 1));
-    const Eigen::Vector3d across = frame->normal.cross(frame->tangent);
-    const std::size_t lanes = options.spread > 0.0 ? 3 : 1;
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const Eigen::Vector3d along =
-          std::cos(angles[lane]) * frame->tangent + std::sin(angles[lane]) * across;
-      bool entered = false;
-      for (double s = 0.0; s <= options.reach; s += stride) {
-        const Point3 p = frame->point + s * along;
-        if (state(grid.index_of(p)) != VoxelState::unknown) {
-          if (entered || s > (options.window + 1) * voxel) break;
+        static_cast<std::size_t>(2 * main_axis + (frame.normal[main_axis] > 0.0 ? 0 : 1));
+    typename Lattice::Writer cells(lattice_);
+    for (std::size_t lane = 0; lane < lanes(); ++lane) {
+      const Eigen::Vector3d along = direction(frame, lane);
+      std::size_t k = 0;
+      const std::size_t before = known.cells.size();
+      for (; k < steps_.size(); ++k) {
+        const Point3 p = frame.point + steps_[k] * along;
+        const bool entered = known.cells.size() > before;
+        if (state(map.grid().index_of(p)) != VoxelState::unknown) {
+          if (entered || steps_[k] > (options_.window + 1) * map.voxel_size()) break;
           continue;
         }
-        entered = true;
-        if (!options.region.isEmpty() && !options.region.contains(p)) break;
-        std::int32_t& id = cells.ensure(lattice.index_of(p)).patch[side];
-        if (id < 0) {
-          id = static_cast<std::int32_t>(sums.size());
-          sums.push_back({p, frame->normal, 1.0});
-        } else {
-          Sum& sum = sums[static_cast<std::size_t>(id)];
-          sum.position += p;
-          sum.normal += frame->normal;
-          sum.count += 1.0;
-        }
+        if (!options_.region.isEmpty() && !options_.region.contains(p)) break;
+        std::int32_t& number = cells.ensure(lattice_.index_of(p)).number[side];
+        if (number < 0) number = static_cast<std::int32_t>(cells_++);
+        known.cells.push_back(static_cast<std::uint32_t>(number));
       }
+      known.last[lane] = static_cast<std::uint32_t>(k);
+      known.first[lane] = static_cast<std::uint32_t>(k - (known.cells.size() - before));
     }
   }
-  frames.end_turn(elements.size());
-  std::vector<PredictedPatch> patches;
-  patches.reserve(sums.size());
-  for (const Sum& sum : sums) {
-    const Eigen::Vector3d normal = sum.normal.normalized();
-    patches.push_back({sum.position / sum.count, normal, step * step / normal.lpNorm<1>()});
-  }
-  return patches;
-}
+
+  using Lattice = VoxelGrid<Cell, 4>;
+  static constexpr std::size_t kMostCells = 8;  ///< Times those at first, before all are forgotten.
+
+  const VoxelStateMap* map_ = nullptr;
+  PredictionOptions options_;
+  double step_ = 0.0;          // [m]
+  std::vector<double> steps_;  // along a lane [m]
+  int wide_ = 1;               // a coarse cell, in blocks
+  std::uint64_t cursor_ = 0, turn_ = 0;
+  Lattice lattice_{{.voxel_size = 1.0}};
+  std::size_t cells_ = 0, cells_at_first_ = 0;
+  std::unordered_map<VoxelKey, Known, KeyHash> known_;
+  SurfaceFrameMemory frames_;
+  std::unordered_set<VoxelKey, KeyHash> changed_;            // coarse cells, since the last call
+  std::unordered_map<VoxelKey, bool, KeyHash> near_change_;  // of those asked about
+  VoxelKey last_asked_{};
+  bool last_answer_ = false;
+};
+
+/// What `SurfacePredictor` predicts of a map that does not change.
 inline std::vector<PredictedPatch> predict_surface(std::span<const IncompleteElement> elements,
                                                    const VoxelStateMap& map,
                                                    const PredictionOptions& options = {}) {
-  SurfaceFrameMemory frames;
-  return predict_surface(elements, map, options, frames);
+  return SurfacePredictor()(elements, map, options);
 }
 template <NeighborhoodPolicy U, NeighborhoodPolicy O, NeighborhoodPolicy D>
 std::vector<PredictedPatch> predict_surface(const BasicIncompleteSurface<U, O, D>& incomplete,
