@@ -23,12 +23,12 @@ namespace surfleet {
 /// What was in view where a robot had looked already: not worth another view there.
 class ViewsInVain {
  public:
-  /// `gain` is in view from a node at a heading after a look there; says whether that is new.
-  bool note(std::size_t node, int heading, double gain) {
-    return left_.insert_or_assign({node, heading}, gain).second;
+  /// `gain` is left in a view from a node after a look there; says whether that is new.
+  bool note(std::size_t node, int view, double gain) {
+    return left_.insert_or_assign({node, view}, gain).second;
   }
-  bool contains(std::size_t node, int heading, double gain) const {
-    const auto it = left_.find({node, heading});
+  bool contains(std::size_t node, int view, double gain) const {
+    const auto it = left_.find({node, view});
     return it != left_.end() && gain <= kMore * it->second;
   }
 
@@ -59,48 +59,45 @@ class LatticeViews {
   std::size_t size() const { return places_.size(); }
   std::size_t node(std::size_t s) const { return lattice_->index(places_[s].site.cell); }
   /// Whether anything could be in view from a node.
-  bool any(const VoxelIndex& cell) const { return most_.at_any_heading(cell) > 0.0; }
+  bool any(const VoxelIndex& cell) const { return most_.in_any_view(cell) > 0.0; }
 
   // A model of `ViewsFromSites`.
-  double look(std::size_t s, double enough, GainByHeading& gain) {
+  double look(std::size_t s, double enough, WorthByView& gain) {
     Place& place = places_[s];
     const double share = place.site.known ? 1.0 : unknown_gain_;
-    const auto best = [&](const GainByHeading& g) {
-      return share * *std::max_element(g.begin(), g.end());
-    };
+    const auto best = [&](const WorthByView& g) { return share * g.most(); };
     if (place.view == nullptr) {
-      if (const double any = share * most_.at_any_heading(place.site.cell); any <= enough)
-        return any;
+      if (const double any = share * most_.in_any_view(place.site.cell); any <= enough) return any;
       if (const double most = best(most_(place.site.cell)); most <= enough) return most;
     }
     View& view = view_of(place);
-    gain = worth_by_heading(*targets_, view.seen, done_);
+    gain = worth_by_view(*targets_, view.seen, done_);
     if (const double most = best(gain); most <= enough) return most;
     if (!view.complete()) {
       cast(place.site, view, [&](const Sighting& hidden) {
         const auto target = static_cast<std::size_t>(hidden.target);
         if (done_[target] != 0) return true;
-        for (unsigned bits = hidden.headings; bits != 0; bits &= bits - 1)
+        for (ViewBits bits = hidden.views; bits != 0; bits &= bits - 1)
           gain[static_cast<std::size_t>(std::countr_zero(bits))] -= (*targets_)[target].worth;
         return best(gain) + kRounding > enough;
       });
       if (!view.complete()) return enough;
-      gain = worth_by_heading(*targets_, view.seen, done_);
+      gain = worth_by_view(*targets_, view.seen, done_);
     }
     const std::size_t n = node(s);
-    for (std::size_t k = 0; k < kHeadings; ++k)
+    for (std::size_t k = 0; k < gain.size(); ++k)
       gain[k] = vain_->contains(n, static_cast<int>(k), gain[k]) ? 0.0 : share * gain[k];
-    return *std::max_element(gain.begin(), gain.end());
+    return gain.most();
   }
-  void take(std::size_t s, int heading) {
+  void take(std::size_t s, int view_taken) {
     View& view = view_of(places_[s]);
     if (!view.complete()) cast(places_[s].site, view, [](const Sighting&) { return true; });
-    mark_in_view(view.seen, heading, done_, [](std::size_t) {});
+    mark_in_view(view.seen, view_taken, done_, [](std::size_t) {});
   }
 
-  /// Counts no more what is seen at a heading from a place.
+  /// Counts no more what is seen from a place.
   void mark(const Configuration& at) {
-    mark_in_view(targets_->seen_from(at.position), nearest_heading(at.yaw), done_,
+    mark_in_view(targets_->seen_from(at.position), targets_->headings().nearest_view(at), done_,
                  [](std::size_t) {});
   }
   std::span<const char> done() const { return done_; }

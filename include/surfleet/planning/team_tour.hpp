@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -22,24 +21,21 @@
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
-/// What a place would show at each heading [m²].
-using GainByHeading = std::array<double, kHeadings>;
-
 /// What views from sites would show, as stops are taken one after the other.
 ///
 /// `look(s, enough, gain)` is no less than the gain of the best view from site s; if it is above
-/// `enough` it is that, and `gain` is by heading, so what is clearly too little need not be looked
-/// at. It never grows. `take(s, heading)` says that what is seen there counts no more.
+/// `enough` it is that, and `gain` is by view [m²], so what is clearly too little need not be
+/// looked at. It never grows. `take(s, view)` says that what is seen there counts no more.
 template <typename V>
-concept ViewsFromSites = requires(V& views, std::size_t s, double enough, GainByHeading& gain,
-                                  int heading) {
+concept ViewsFromSites = requires(V& views, std::size_t s, double enough, WorthByView& gain,
+                                  int view) {
   { views.look(s, enough, gain) } -> std::convertible_to<double>;
-  views.take(s, heading);
+  views.take(s, view);
 };
 
 struct TeamTourOptions {
   double stop_cost = 1.0;  ///< What a stop costs beside its detour; more than 0 [m].
-  double turn_cost = 0.1;  ///< What turning costs [m/rad].
+  double turn_cost = 0.1;  ///< What turning costs; gimbals tilt meanwhile [m/rad].
   double keep = 1.3;       ///< Gain of the goal a robot is on its way to, over that of another.
   /// What a metre costs that a robot's tour is longer than the shortest of the team: others are
   /// there sooner.
@@ -56,7 +52,7 @@ struct TourStart {
 };
 struct TeamTourStop {
   std::size_t site = 0;
-  int heading = 0;
+  int view = 0;
   double rate = 0.0;  ///< Its gain over what it cost when it was inserted.
   double gain = 0.0;  ///< What it shows beside those that were inserted before [m²].
 };
@@ -83,7 +79,7 @@ class TeamTours {
     std::vector<double> most(sites_.size(), std::numeric_limits<double>::infinity());
     while (const auto best = best_insertion(most)) {
       tours_[best->tour].insert(best->stop, best->leg, options_.stop_cost);
-      views_->take(best->stop.site, best->stop.heading);
+      views_->take(best->stop.site, best->stop.view);
     }
     std::vector<std::vector<TeamTourStop>> ordered;
     for (const Tour& tour : tours_)
@@ -107,7 +103,7 @@ class TeamTours {
       return k == 0 ? start->from.position : sites[stops[k - 1].site];
     }
     double yaw(std::size_t k) const {
-      return k == 0 ? start->from.yaw : heading_angle(stops[k - 1].heading);
+      return k == 0 ? start->from.yaw : heading_angle(stops[k - 1].view % kHeadings);
     }
     double distance(std::size_t k, std::size_t s) const {
       return k == 0 ? start->distance[s] : (position(k) - sites[s]).norm();
@@ -151,7 +147,7 @@ class TeamTours {
     for (const Tour& t : tours_)
       if (!t.full()) shortest = std::min(shortest, t.length);
     std::vector<double> cost(tours_.size()), least(tours_.size());
-    GainByHeading gain;
+    WorthByView gain;
     const double floor = 0.5 * options_.stop_cost / std::max(options_.keep, 1.0);
     for (std::size_t s = 0; s < sites_.size(); ++s) {
       if (most[s] <= best_rate * floor) continue;  // most are
@@ -174,14 +170,14 @@ class TeamTours {
       for (std::size_t t = 0; t < tours_.size(); ++t) {
         if (std::isinf(cost[t])) continue;
         const std::size_t leg = tours_[t].insertion[s].leg;
-        for (std::size_t k = 0; k < kHeadings; ++k) {
-          const int heading = static_cast<int>(k);
+        for (std::size_t k = 0; k < gain.size(); ++k) {
+          const int view = static_cast<int>(k);
           if (gain[k] <= best_rate * least[t]) continue;
-          const double metres =
-              std::max(cost[t] + turn_at(tours_[t], leg, heading_angle(heading)), least[t]);
+          const double metres = std::max(
+              cost[t] + turn_at(tours_[t], leg, heading_angle(view % kHeadings)), least[t]);
           if (gain[k] <= best_rate * metres) continue;
           best_rate = gain[k] / metres;
-          best = Insertion{{s, heading, best_rate, gain[k]}, t, leg};
+          best = Insertion{{s, view, best_rate, gain[k]}, t, leg};
         }
       }
     }
