@@ -14,6 +14,7 @@
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
 #include <surfleet/planning/named_planners.hpp>
+#include <surfleet/simulation/drone_world.hpp>
 #include <surfleet/simulation/fly_distributed.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
 
@@ -76,6 +77,25 @@ TEST(a_gimbal_turns_at_its_rate_whatever_the_body_does) {
   // 1 rad at 0.5 rad/s, and a quarter of a second each to set off and to arrive.
   CHECK_NEAR(fastest, 0.5, 1e-6);
   CHECK(steps >= 22 && steps <= 25 && tilting.estimate().pitch == 1.0);
+}
+
+TEST(a_world_shows_what_a_tilted_camera_sees) {
+  const box_world::World box;
+  const Point3 offset(0.2, 0.1, -0.1);
+  const DroneWorldOptions exact{.noise = false};
+  const DroneWorld<Bvh> gimbal(box.bvh, box.camera, forward_camera_mount(0.1, offset), exact);
+  const DroneWorld<Bvh> mount(box.bvh, box.camera, forward_camera_mount(0.6, offset), exact);
+  const std::vector<Configuration> tilted{{Point3(-2.5, 0.5, 2.5), 0.3, 0.5}},
+      level{{Point3(-2.5, 0.5, 2.5), 0.3}};
+  const DepthImage a = gimbal.capture(0, 0, tilted), b = mount.capture(0, 0, level),
+                   ahead = gimbal.capture(0, 0, level);
+  double apart = 0.0, moved = 0.0;
+  for (int v = 0; v < a.height; ++v)
+    for (int u = 0; u < a.width; ++u) {
+      apart = std::max(apart, std::abs(static_cast<double>(a(u, v)) - b(u, v)));
+      moved = std::max(moved, std::abs(static_cast<double>(a(u, v)) - ahead(u, v)));
+    }
+  CHECK(apart < 1e-4 && moved > 0.5);
 }
 
 TEST(a_kind_with_a_gimbal_asks_for_bodies_that_have_one) {
