@@ -91,11 +91,11 @@ BENCHMARK(SightTargets_InView)->ArgName("by_depth")->Arg(0)->Arg(1);
 struct TableViews {
   std::vector<double> gain;
   double most(std::size_t s) const { return gain[s]; }
-  double look(std::size_t s, double /*enough*/, GainByHeading& by_heading) const {
-    by_heading.fill(gain[s]);
+  double look(std::size_t s, double /*enough*/, WorthByView& by_view) const {
+    by_view.fill(gain[s]);
     return gain[s];
   }
-  void take(std::size_t s, int /*heading*/) { gain[s] = 0.0; }
+  void take(std::size_t s, int /*view*/) { gain[s] = 0.0; }
 };
 
 /// By sites and robots.

@@ -160,6 +160,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   RobotKind& kind = o.kind;
   kind.camera = site.camera;
   kind.T_body_camera = s.T_body_camera();
+  kind.pitches = s.pitches();
   kind.body_radius = s.radius;
   kind.margin = s.margin;
   kind.unknown_margin = s.unknown_margin;

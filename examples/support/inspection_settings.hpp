@@ -45,6 +45,8 @@ struct InspectionSettings : MissionPreset {
   int image_width = 160;
   double camera_pitch = 0.0;                        ///< Down [deg].
   std::vector<double> camera_mount{0.0, 0.0, 0.0};  ///< Of the camera in the body's frame [m].
+  bool gimbal = false;
+  std::optional<double> gimbal_pitch;  ///< [deg]; nothing: `tilt_of_views`.
   double rate = 4.0;
   std::vector<double> start, bounds;
   std::optional<double> start_clearance;  ///< [m]; nothing: `known_around_start`.
@@ -77,6 +79,17 @@ struct InspectionSettings : MissionPreset {
     return forward_camera_mount(radians(camera_pitch),
                                 Point3(camera_mount[0], camera_mount[1], camera_mount[2]));
   }
+  /// So that the images of a gimbal's views border on each other [deg].
+  double tilt_of_views() const {
+    return gimbal_pitch.value_or(std::min(fov[1], kMostTilt - std::abs(camera_pitch)));
+  }
+  /// Of the camera's views beyond its mount [rad].
+  std::vector<double> pitches() const {
+    if (!gimbal) return {0.0};
+    const double tilt = radians(tilt_of_views());
+    return {0.0, tilt, -tilt};
+  }
+  static constexpr double kMostTilt = 80.0;  ///< Of a camera, up or down [deg].
   /// What the operator knows to be free of the structure around every start [m]: unless it is said,
   /// as far as it takes until the camera's image is as high as what the body needs.
   double known_around_start() const {
@@ -202,6 +215,13 @@ class InspectionOptions {
     app.add("--camera-pitch", settings.camera_pitch, "tilt of the camera, down [deg]");
     app.add("--camera-mount", settings.camera_mount, "place of the camera in the body [m]")
         .expected(3);
+    app.add_flag(
+        "--gimbal", settings.gimbal,
+        "pitch is chosen with the heading: views look level, down or up; coverage is still "
+        "counted against what the level camera could see");
+    app.add("--gimbal-pitch", settings.gimbal_pitch,
+            "of a gimbal's views down and up, beyond the camera's own [deg]; default the vertical "
+            "field of view");
     app.add("--rate", settings.rate, "images a second");
     app.add("--noise", noise_, "stereo noise, on or off");
     app.add("--disparity-error", settings.stereo.disparity_error, "|e_d| of that noise [px]");
@@ -335,6 +355,10 @@ class InspectionOptions {
       require(angle > 0.0 && angle <= 170.0,
               "--fov " + std::to_string(angle) + ": expected angles in (0, 170] degrees");
     require(std::abs(s.camera_pitch) <= 80.0, "--camera-pitch: expected -80 to 80 degrees");
+    require(s.gimbal || !s.gimbal_pitch, "--gimbal-pitch: expected --gimbal with it");
+    require(!s.gimbal || (s.tilt_of_views() > 0.0 && s.tilt_of_views() + std::abs(s.camera_pitch) <=
+                                                         InspectionSettings::kMostTilt),
+            "--gimbal: expected views at more than 0 and at most 80 degrees up and down");
     require(
         std::abs(s.camera_pitch) + InspectionSettings::kLeastOpening <= 0.5 * s.fov[1] ||
             s.start_clearance,
@@ -391,7 +415,8 @@ class InspectionOptions {
     positive(s.wait_for_team, "--wait-for-team");
     require(s.architecture != "single" || s.robots == 1,
             "--architecture single: expected --robots 1");
-    planner_by_name(s.planner);
+    require(planner_by_name(s.planner).chooses_pitch || !s.gimbal,
+            "--gimbal: expected --planner surfleet, as the others know level views alone");
   }
 
   cli::Options& app_;

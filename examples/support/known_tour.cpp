@@ -15,6 +15,7 @@ KnownSitePlanner::KnownSitePlanner(const InspectionSettings& s, const Inspection
     : site_(&site),
       start_(start),
       mount_(s.T_body_camera()),
+      pitches_(s.pitches()),
       map_(map_from_mesh(site.space.surface(), site.scene.bounds, s.voxel)),
       states_(map_, {.known_weight = s.known_weight}),
       space_(states_, {.radius = s.radius,
@@ -33,7 +34,7 @@ KnownSitePlanner::KnownSitePlanner(const InspectionSettings& s, const Inspection
 
 CoverageTour KnownSitePlanner::plan(const CoverageTourOptions& options) {
   return plan_coverage_tour({points_, normals_, areas_}, site_->caster, space_, roadmap_,
-                            site_->camera, start_, options, mount_);
+                            site_->camera, start_, options, mount_, pitches_);
 }
 
 FlownTour fly_known_tour(const CoverageTour& tour, const InspectionSettings& s,
@@ -46,12 +47,13 @@ FlownTour fly_known_tour(const CoverageTour& tour, const InspectionSettings& s,
   flown.images = fly_tour(tour, start,
                           {.speed = kind.limits.speed,
                            .yaw_rate = kind.limits.yaw_rate,
+                           .pitch_rate = kind.limits.pitch_rate,
                            .image_period = mission.agent.image_period,
                            .hold = hold});
   std::uint64_t shot = 0;
   for (const auto& [time, q] : flown.images)
     belief.integrate(world.capture(0, shot++, std::span(&q, 1)), kind.camera,
-                     q.pose() * kind.T_body_camera);
+                     camera_pose(q, kind.T_body_camera));
   flown.reconstruction = reconstruction_of(belief.map(), s, site.scene.region);
   flown.evaluation = evaluate_mesh(s, site, flown.reconstruction);
   return flown;

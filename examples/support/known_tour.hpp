@@ -30,6 +30,7 @@ class KnownSitePlanner {
   const InspectionSite* site_;
   Configuration start_;
   Pose mount_;
+  std::vector<double> pitches_;
   TsdfMap map_;
   VoxelStateMap states_;
   FreeSpace space_;

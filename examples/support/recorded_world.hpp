@@ -60,7 +60,7 @@ class RecordedWorld {
     std::vector<Point3> mates;
     for (std::size_t k = 0; k < fleet.size(); ++k)
       if (k != robot) mates.push_back(fleet[k].position);
-    const Pose pose = fleet[robot].pose() * T_body_camera_;
+    const Pose pose = camera_pose(fleet[robot], T_body_camera_);
     mask_teammates(image, camera_, pose, mates, mate_radius_);
     char name[40];
     std::snprintf(name, sizeof name, "frame-%06llu",

@@ -23,7 +23,7 @@
 namespace surfleet::examples {
 namespace {
 nlohmann::json pose(const Configuration& q) {
-  return {{"position", triple(q.position)}, {"yaw", q.yaw}};
+  return {{"position", triple(q.position)}, {"yaw", q.yaw}, {"pitch", q.pitch}};
 }
 
 std::vector<std::byte> view_of(const TriangleMesh& mesh, const Box3& box, double azimuth,
@@ -44,12 +44,14 @@ void write_tour(const std::filesystem::path& out, const InspectionSettings& s,
   nlohmann::json stops = nlohmann::json::array(), way = nlohmann::json::array();
   // Numbers as JSON writes them: the shortest that read back as the same value.
   const auto text = [](double v) { return nlohmann::json(v).dump(); };
-  std::string csv = "index,x_m,y_m,z_m,yaw_rad\n";
+  std::string csv = "index,x_m,y_m,z_m,yaw_rad";
+  csv += s.gimbal ? ",pitch_rad\n" : "\n";
   for (std::size_t k = 0; k < tour.viewpoints.size(); ++k) {
     const Configuration& q = tour.viewpoints[k];
     stops.push_back(pose(q));
     csv += std::to_string(k + 1) + "," + text(q.position.x()) + "," + text(q.position.y()) + "," +
-           text(q.position.z()) + "," + text(q.yaw) + "\n";
+           text(q.position.z()) + "," + text(q.yaw);
+    csv += s.gimbal ? "," + text(q.pitch) + "\n" : "\n";
   }
   for (const Point3& p : tour.path) way.push_back(triple(p));
   write_file(out / "viewpoints.csv", csv);
@@ -113,11 +115,14 @@ void write_tour(const std::filesystem::path& out, const InspectionSettings& s,
                      "What the images of the flight show", true);
   Table list{.caption = "Viewpoints (viewpoints.csv)",
              .columns = {"", "x [m]", "y [m]", "z [m]", "heading [deg]"}};
+  if (s.gimbal) list.columns.push_back("pitch, down [deg]");
   for (std::size_t k = 0; k < tour.viewpoints.size(); ++k) {
     const Configuration& q = tour.viewpoints[k];
-    list.add_row({std::to_string(k + 1), format_number(q.position.x(), 2),
-                  format_number(q.position.y(), 2), format_number(q.position.z(), 2),
-                  format_number(q.yaw * 180.0 / kPi, 1)});
+    std::vector<std::string> row{std::to_string(k + 1), format_number(q.position.x(), 2),
+                                 format_number(q.position.y(), 2), format_number(q.position.z(), 2),
+                                 format_number(q.yaw * 180.0 / kPi, 1)};
+    if (s.gimbal) row.push_back(format_number(q.pitch * 180.0 / kPi, 1));
+    list.add_row(std::move(row));
   }
   Table all{.caption = "Metrics (metrics.json)", .columns = {"key", "value"}};
   for (const auto& [name, value] : metrics.items()) all.add_row({name, dumped(value, -1)});

@@ -38,6 +38,11 @@ refused drone_inspection --scene house --robots 1.5 --out out
 refused drone_inspection --scene house --ground 1 --out out
 refused drone_inspection --scene house --bounds 40 40 1.5 60 60 10 --start 50 50 5 --out out
 refused drone_inspection --scene house --neighbours blind --out out
+refused drone_inspection --scene house --gimbal --planner tsga --out out
+refused drone_inspection --scene house --gimbal --gimbal-pitch 0 --out out
+refused drone_inspection --scene house --gimbal --gimbal-pitch 70 --camera-pitch 20 --out out
+refused drone_inspection --scene house --gimbal-pitch 40 --out out
+refused drone_inspection_trials --scene house --gimbal --out out
 refused drone_inspection --scene house --announcements maybe --out out
 refused drone_inspection --scene house --least-gain -1 --out out
 refused drone_inspection --scene house --coverage-goal 2 --out out

@@ -185,6 +185,20 @@ TEST(idle_robots_stay_of_the_team_and_say_little) {
   CHECK(static_cast<double>(team.network.bytes_sent(3) - before) / 100.0 < 1000.0);
 }
 
+TEST(pitches_of_gimbals_are_told) {
+  for (const double pitch : {0.0, -0.7, 1.2}) {
+    StateMessage m;
+    m.news.push_back({{1, 1, 900, 0, 0.5}, relay_state(1, 0.0)});
+    m.news[0].state.at.pitch = pitch;
+    const StateMessage told = decode_states(encode_states(m));
+    CHECK(told.news[0].state.at.pitch == pitch && told.news[0].state.at.yaw == 0.5);
+    RouteNews news{{1, 1, 900, 0, 0.5}, relay_state(1, 0.0).route};
+    news.route[1].configuration.pitch = pitch;
+    const Stops route = decode_routes(encode_routes({news, news}))[1].route;
+    CHECK(route[0].configuration.pitch == 0.0 && route[1].configuration.pitch == pitch);
+    CHECK(route[0].targets == news.route[0].targets && route[1].configuration.yaw == -1.0);
+  }
+}
 TEST(news_that_cannot_be_are_not_believed) {
   TeamRelay relay(0, 0, {.robots = 10, .speed = 5.0, .slack = 2.0});
   std::uint32_t number = 0;
@@ -223,8 +237,16 @@ TEST(news_that_cannot_be_are_not_believed) {
   m.news.push_back({{1, 1, 900, 0, 0.5}, relay_state(1, 0.0)});
   const Bytes states = encode_states(m);
   const Bytes routes = encode_routes({{{1, 1, 900, 0, 0.5}, relay_state(1, 0.0).route}});
-  for (const MessageKind kind : {MessageKind::state, MessageKind::route}) {
-    const Bytes& good = kind == MessageKind::state ? states : routes;
+  m.news[0].state.at.pitch = 0.7;
+  RouteNews tilted{{1, 1, 900, 0, 0.5}, relay_state(1, 0.0).route};
+  tilted.route[1].configuration.pitch = -0.7;
+  const Bytes tilted_states = encode_states(m), tilted_routes = encode_routes({tilted});
+  CHECK(tilted_states.size() == states.size() + 8);
+  CHECK(tilted_routes.size() == routes.size() + 2 * 8 + 2);  // and a longer number of news
+  for (const auto& [kind, good] :
+       {std::pair(MessageKind::state, states), std::pair(MessageKind::route, routes),
+        std::pair(MessageKind::state, tilted_states),
+        std::pair(MessageKind::route, tilted_routes)}) {
     for (std::size_t n = 0; n < good.size(); ++n) {
       const std::uint64_t before = relay.counts().malformed;
       relay.hear({.kind = kind, .sender = 1, .body = std::span(good).first(n)}, 32.0);

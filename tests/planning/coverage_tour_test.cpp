@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/planning/coverage_tour.hpp>
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "box_world.hpp"
 #include "check.hpp"
 
@@ -43,21 +47,33 @@ TEST(tour_of_a_box_sees_what_it_promises_and_is_free) {
   const FreeSpace space(states, {.radius = o.kind.body_radius, .bounds = o.kind.bounds});
   LazyPrmStar roadmap(space, {.spacing = 1.0});
   const Configuration start = box_world::starts(1).front();
-  double last = 0.0;
-  for (const double share : {0.5, 0.9, 1.0}) {
-    const CoverageTour tour =
-        plan_coverage_tour({known.points, known.normals, known.areas}, known.world.bvh, space,
-                           roadmap, o.kind.camera, start, {.coverage = share, .spacing = 1.0});
+  double last = 0.0, reachable = 0.0;
+  for (const auto& [share, pitches] : {std::pair<double, std::vector<double>>{0.5, {0.0}},
+                                       {0.9, {0.0}},
+                                       {1.0, {0.0}},
+                                       {1.0, {0.0, 1.0, -1.0}}}) {
+    const bool gimbal = pitches.size() > 1;
+    const CoverageTour tour = plan_coverage_tour(
+        {known.points, known.normals, known.areas}, known.world.bvh, space, roadmap, o.kind.camera,
+        start, {.coverage = share, .spacing = 1.0}, forward_camera_mount(), pitches);
+    if (!gimbal) reachable = tour.reachable_area;
+    // A gimbal takes no view away, and spares ways to where a level camera sees top and bottom.
+    CHECK(tour.reachable_area >= reachable && (!gimbal || tour.length < last));
+    CHECK(std::any_of(tour.viewpoints.begin(), tour.viewpoints.end(),
+                      [](const Configuration& q) { return q.pitch != 0.0; }) == gimbal);
+    for (const Configuration& q : tour.looks)
+      CHECK(std::find(pitches.begin(), pitches.end(), q.pitch) != pitches.end());
     CHECK(tour.coverage() >= share - 0.01);
     CHECK(tour.reachable_area > 0.8 * known.world.mesh.area());
     CHECK_NEAR(tour.length, polyline_length(tour.path), 1e-9);
     CHECK((tour.path.front() - start.position).norm() == 0.0);
     for (std::size_t k = 1; k < tour.path.size(); ++k)
       CHECK(space.is_free_segment(tour.path[k - 1], tour.path[k]));
-    CHECK(tour.length >= last - 1.0);
+    if (!gimbal) CHECK(tour.length >= last - 1.0);
     last = tour.length;
     // Flown, it comes by every viewpoint with its heading, in order, as fast as it may.
-    const TourFlightOptions flight{.speed = 0.7, .yaw_rate = 0.9, .image_period = 0.3, .hold = 0.5};
+    const TourFlightOptions flight{
+        .speed = 0.7, .yaw_rate = 0.9, .pitch_rate = 0.4, .image_period = 0.3, .hold = 0.5};
     const auto images = fly_tour(tour, start, flight);
     CHECK(images.front().first == 0.0 && images.front().second.position == start.position);
     std::size_t next = 0;
@@ -65,7 +81,8 @@ TEST(tour_of_a_box_sees_what_it_promises_and_is_free) {
     for (std::size_t k = 0; k < images.size(); ++k) {
       const Configuration& q = images[k].second;
       if (next < tour.viewpoints.size() && q.position == tour.viewpoints[next].position &&
-          std::abs(wrap_angle(q.yaw - tour.viewpoints[next].yaw)) < 1e-9)
+          std::abs(wrap_angle(q.yaw - tour.viewpoints[next].yaw)) < 1e-9 &&
+          std::abs(q.pitch - tour.viewpoints[next].pitch) < 1e-9)
         ++next;
       if (k == 0) continue;
       const Configuration& before = images[k - 1].second;
@@ -73,9 +90,10 @@ TEST(tour_of_a_box_sees_what_it_promises_and_is_free) {
       flown += step;
       CHECK(step <= 0.21 + 1e-9);
       CHECK(std::abs(wrap_angle(q.yaw - before.yaw)) <= 0.27 + 1e-9);
+      CHECK(std::abs(q.pitch - before.pitch) <= 0.12 + 1e-9);
       const double dt = images[k].first - images[k - 1].first;
       CHECK(dt > 0.0 && dt <= 0.3 + 1e-9);
-      held = step == 0.0 && q.yaw == before.yaw ? held + dt : held;
+      held = step == 0.0 && q.yaw == before.yaw && q.pitch == before.pitch ? held + dt : held;
       CHECK(space.is_free_segment(before.position, q.position));
     }
     CHECK(next == tour.viewpoints.size());

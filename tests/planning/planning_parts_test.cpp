@@ -186,11 +186,11 @@ TEST(look_bound_is_never_below_what_is_in_view) {
     VoxelIndex node;
     for (int axis = 0; axis < 3; ++axis)
       node[axis] = static_cast<int>(random.uniform(0, lattice.count()[axis]));
-    const auto seen = worth_by_heading(targets, targets.seen_from(lattice.position(node)), none);
+    const auto seen = worth_by_view(targets, targets.seen_from(lattice.position(node)), none);
     const auto bound = most(node);
     for (std::size_t k = 0; k < kHeadings; ++k) {
       CHECK(bound[k] >= seen[k]);
-      CHECK(most.at_any_heading(node) >= bound[k] - 1e-9);
+      CHECK(most.in_any_view(node) >= bound[k] - 1e-9);
       bounds += bound[k];
       looks += seen[k];
     }
@@ -205,7 +205,7 @@ TEST(look_bound_is_never_below_what_is_in_view) {
     const SightTargets<Anything> one(
         {{lattice.position(node) + d, Eigen::Vector3d::Zero(), 1.0, 0}}, Anything{}, headings);
     const LookBound bound(one.all(), lattice, headings, one.reach());
-    const auto worth = worth_by_heading(one, one.seen_from(lattice.position(node)), none);
+    const auto worth = worth_by_view(one, one.seen_from(lattice.position(node)), none);
     for (std::size_t k = 0; k < kHeadings; ++k) {
       CHECK(bound(node)[k] >= worth[k]);
       seen += worth[k] > 0.0 ? 1 : 0;
@@ -213,7 +213,7 @@ TEST(look_bound_is_never_below_what_is_in_view) {
   }
   CHECK(seen > 400);
   const LookBound nothing({}, lattice, headings, 4.0);
-  CHECK(nothing.at_any_heading(VoxelIndex::Zero()) == 0.0);
+  CHECK(nothing.in_any_view(VoxelIndex::Zero()) == 0.0);
 }
 
 TEST(worth_around_bounds_what_a_look_can_see) {

@@ -30,9 +30,9 @@ struct ListedViews {
   bool loose = false;
   int asked = 0;
 
-  double gain(std::size_t s, std::size_t heading) const {
+  double gain(std::size_t s, std::size_t view) const {
     double sum = 0.0;
-    for (const int i : shows[s][heading]) sum += things[static_cast<std::size_t>(i)];
+    for (const int i : shows[s][view]) sum += things[static_cast<std::size_t>(i)];
     return sum;
   }
   double most(std::size_t s) const {
@@ -40,18 +40,18 @@ struct ListedViews {
     for (std::size_t k = 0; k < kHeadings; ++k) most = std::max(most, gain(s, k));
     return loose ? 1.5 * most + 0.1 : most;
   }
-  double look(std::size_t s, double enough, GainByHeading& by_heading) {
-    for (std::size_t k = 0; k < kHeadings; ++k) by_heading[k] = gain(s, k);
-    const double most = *std::max_element(by_heading.begin(), by_heading.end());
+  double look(std::size_t s, double enough, WorthByView& by_view) {
+    for (std::size_t k = 0; k < kHeadings; ++k) by_view[k] = gain(s, k);
+    const double most = by_view.most();
     if (loose && most < enough) {
-      by_heading.fill(1e9);  // not to be read
+      by_view.fill(1e9);  // not to be read
       return enough;
     }
     ++std::atomic_ref<int>(asked);
     return most;
   }
-  void take(std::size_t s, int heading) {
-    for (const int i : shows[s][static_cast<std::size_t>(heading)])
+  void take(std::size_t s, int view) {
+    for (const int i : shows[s][static_cast<std::size_t>(view)])
       things[static_cast<std::size_t>(i)] = 0.0;
   }
 };
@@ -132,10 +132,10 @@ TEST(tours_show_new_things_at_every_stop_however_loose_bounds_are) {
     for (std::size_t r = 0; r < 2; ++r) {
       CHECK(b[r].size() == a[r].size());
       for (std::size_t k = 0; k < a[r].size(); ++k) {
-        CHECK(a[r][k].site == b[r][k].site && a[r][k].heading == b[r][k].heading &&
+        CHECK(a[r][k].site == b[r][k].site && a[r][k].view == b[r][k].view &&
               a[r][k].rate == b[r][k].rate);
         CHECK(a[r][k].rate > 0.0);
-        const auto& shown = before.shows[a[r][k].site][static_cast<std::size_t>(a[r][k].heading)];
+        const auto& shown = before.shows[a[r][k].site][static_cast<std::size_t>(a[r][k].view)];
         seen.insert(shown.begin(), shown.end());
       }
     }
@@ -163,8 +163,8 @@ TEST(tours_are_the_same_on_any_number_of_threads) {
       for (std::size_t r = 0; r < 3; ++r) {
         CHECK(tours[r].size() == alone[r].size());
         for (std::size_t k = 0; k < alone[r].size(); ++k)
-          CHECK(tours[r][k].site == alone[r][k].site &&
-                tours[r][k].heading == alone[r][k].heading && tours[r][k].rate == alone[r][k].rate);
+          CHECK(tours[r][k].site == alone[r][k].site && tours[r][k].view == alone[r][k].view &&
+                tours[r][k].rate == alone[r][k].rate);
       }
     }
   }
@@ -388,9 +388,9 @@ TEST(views_gain_what_is_in_sight_and_not_taken_however_much_is_enough) {
         static_cast<std::size_t>(random.uniform(0.0, 1.0) * static_cast<double>(views.size()));
     const LatticeViews::Site site = views[s];
     const auto seen = (site.known ? targets : hoped).seen_from(lattice.position(site.cell));
-    GainByHeading truth = worth_by_heading(targets, seen, done), gain;
-    for (double& g : truth) g *= site.known ? 1.0 : 0.7;
-    const double best = *std::max_element(truth.begin(), truth.end());
+    WorthByView truth = worth_by_view(targets, seen, done), gain;
+    for (std::size_t k = 0; k < truth.size(); ++k) truth[k] *= site.known ? 1.0 : 0.7;
+    const double best = truth.most();
     CHECK(views.most(s) >= best - 1e-9);
     const double enough = random.uniform(0.0, 1.5) * best;
     const double most = views.look(s, enough, gain);
@@ -415,6 +415,54 @@ TEST(views_gain_what_is_in_sight_and_not_taken_however_much_is_enough) {
   CHECK(enough_said > 200 && told > 200);
 }
 
+TEST(a_gimbal_looks_at_what_is_above_its_shaft) {
+  // Of a plate 1.3 m above the highest place in a shaft 1.6 m wide, the underside is incomplete.
+  TsdfMap map({.voxel_size = 0.3});
+  const auto near = [](const VoxelIndex& v, int r) {
+    return v.head<2>().cwiseAbs().maxCoeff() <= r;
+  };
+  paint_hall(map, [&](const VoxelIndex& v) { return v.z() == 10 && near(v, 2); });
+  for_each_index(VoxelIndex(-4, -4, 8), VoxelIndex(4, 4, 9),
+                 [&](const VoxelIndex& v) { map_test::set_state(map, v, VoxelState::empty); });
+  FreeSpaceOptions body = kBody;
+  body.bounds = Box3(Point3(-0.8, -0.8, -1.2), Point3(0.8, 0.8, 1.7));
+  RobotKind kind =
+      StillMission::kind_of(body, PinholeCamera::from_fov(1.2, 1.0, 160, 120, 0.1, 4.0));
+  RollingToursOptions options;
+  options.interest.frontier_gain = options.interest.prediction_gain = 0.0;
+  const std::vector<Teammate> team{{{Point3(0.1, 0.1, 0.5), 0.0}, true, {}}};
+  for (const bool gimbal : {false, true}) {
+    kind.pitches = {0.0, 1.0, -1.0};
+    if (!gimbal) kind.pitches = {0.0};
+    StillMission still(map, kind, Box3(Point3(-2.0, -2.0, 2.0), Point3(2.0, 2.0, 3.3)));
+    CHECK(!still.work.empty());
+    RollingTours planner(options);
+    const Stops route = planner(still.situation(team)).routes.at(0);
+    CHECK(route.empty() != gimbal);
+    if (!gimbal) continue;
+    CHECK(route[0].configuration.pitch == -1.0 && !route[0].targets.empty());
+    const ViewFrustum frustum(still.camera, still.mount);
+    for (const VoxelIndex& v : route[0].targets) {
+      const Point3 p = still.states.grid().center(v);
+      CHECK(frustum.at(route[0].configuration).may_contain(p, 0.3));
+      Configuration level = route[0].configuration;
+      level.pitch = 0.0;
+      CHECK(!frustum.at(level).may_contain(p, 0.3));
+    }
+    // Once it is under way nobody else is sent there, and a look from there in vain is noted.
+    const std::vector<Teammate> two{{route[0].configuration, false, route},
+                                    {{Point3(-0.4, -0.4, 0.5), 0.0}, true, {}}};
+    for (const Stop& stop : planner(still.situation(two)).routes.at(1))
+      for (const VoxelIndex& v : stop.targets)
+        CHECK(std::find(route[0].targets.begin(), route[0].targets.end(), v) ==
+              route[0].targets.end());
+    const std::vector<Teammate> there{{route[0].configuration, true, {}}};
+    for (const Stop& stop : planner(still.situation(there)).routes.at(0))
+      CHECK(stop.configuration.position != route[0].configuration.position ||
+            stop.configuration.yaw != route[0].configuration.yaw ||
+            stop.configuration.pitch != route[0].configuration.pitch);
+  }
+}
 TEST(the_beginning_of_a_route_that_pays_best_counts) {
   Random random(7);
   for (int round = 0; round < 200; ++round) {

@@ -26,7 +26,7 @@ struct World {
 
   surfleet::DepthImage capture(std::size_t robot, std::uint64_t /*shot*/,
                                std::span<const surfleet::Configuration> fleet) const {
-    const surfleet::Pose T = fleet[robot].pose() * surfleet::forward_camera_mount();
+    const surfleet::Pose T = surfleet::camera_pose(fleet[robot], surfleet::forward_camera_mount());
     surfleet::DepthImage image(camera.width, camera.height,
                                static_cast<float>(camera.max_range * 2.0));
     for (int v = 0; v < camera.height; ++v)
@@ -45,7 +45,7 @@ struct Glass : World {
   surfleet::DepthImage capture(std::size_t robot, std::uint64_t shot,
                                std::span<const surfleet::Configuration> fleet) const {
     surfleet::DepthImage image = World::capture(robot, shot, fleet);
-    const surfleet::Pose T = fleet[robot].pose() * surfleet::forward_camera_mount();
+    const surfleet::Pose T = surfleet::camera_pose(fleet[robot], surfleet::forward_camera_mount());
     for (int v = 0; v < image.height; ++v)
       for (int u = 0; u < image.width; ++u) {
         const double depth = image(u, v);

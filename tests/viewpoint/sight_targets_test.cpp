@@ -25,7 +25,7 @@ PinholeCamera camera() {
 }
 
 /// `range` is a distance or else a depth.
-void check_by_brute_force(bool by_depth, double range) {
+void check_by_brute_force(bool by_depth, double range, const std::vector<double>& pitches) {
   const TsdfMap map = walled_room();
   const VoxelStateMap states(map);
   const PinholeCamera c = camera();
@@ -38,16 +38,17 @@ void check_by_brute_force(bool by_depth, double range) {
              ? Eigen::Vector3d::Zero()
              : Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized(),
          1.0, 0});
-  const HeadingTable table(c, forward_camera_mount());
+  const HeadingTable table(c, forward_camera_mount(0.2, Point3::Zero()), pitches);
+  CHECK(table.views() == kHeadings * static_cast<int>(pitches.size()));
   const SightTargets sight(targets, MapSight(states), table,
                            {.max_range = range, .by_depth = by_depth});
-  int borderline = 0, too_deep = 0, farther = 0, seen_count = 0;
+  int borderline = 0, tilted = 0, too_deep = 0, farther = 0, seen_count = 0;
   for (int trial = 0; trial < 20; ++trial) {
     const Point3 p(random.uniform(0.5, 4.5), random.uniform(0.5, 9.5), random.uniform(0.5, 9.5));
-    std::vector<std::uint16_t> headings(targets.size(), 0);
+    std::vector<ViewBits> views(targets.size(), 0);
     for (const Sighting& s : sight.seen_from(p)) {
-      CHECK(headings[static_cast<std::size_t>(s.target)] == 0 && s.headings != 0);  // named once
-      headings[static_cast<std::size_t>(s.target)] = s.headings;
+      CHECK(views[static_cast<std::size_t>(s.target)] == 0 && s.views != 0);  // named once
+      views[static_cast<std::size_t>(s.target)] = s.views;
     }
     for (std::size_t i = 0; i < targets.size(); ++i) {
       const Eigen::Vector3d d = targets[i].position - p;
@@ -59,12 +60,20 @@ void check_by_brute_force(bool by_depth, double range) {
         if (v != goal && states(v) != VoxelState::empty) clear = false;
         return true;
       });
-      for (int k = 0; k < kHeadings; ++k) {
-        const Pose T = Configuration{p, heading_angle(k)}.pose() * forward_camera_mount();
+      for (int k = 0; k < kMostViews; ++k) {
+        const auto pitch = static_cast<std::size_t>(k / kHeadings);
+        if (pitch >= pitches.size()) {
+          CHECK(!has_view(views[i], k));
+          continue;
+        }
+        // A mount tilts the other way about its own x axis.
+        Pose T = Configuration{p, heading_angle(k % kHeadings)}.pose() * forward_camera_mount();
+        T.rotate(Eigen::AngleAxisd(-0.2 - pitches[pitch], Eigen::Vector3d::UnitX()));
         const Point3 q = T.inverse() * targets[i].position;
         const bool expected = clear && q.z() >= c.min_range && (!by_depth || q.z() <= range) &&
                               c.project(q).has_value();
-        const bool got = (headings[i] >> k & 1U) != 0U;
+        const bool got = has_view(views[i], k);
+        tilted += got && k >= kHeadings ? 1 : 0;
         too_deep += got && by_depth && q.z() > 1.03 * range ? 1 : 0;
         farther += got && q.norm() > 1.2 * range ? 1 : 0;
         seen_count += expected ? 1 : 0;
@@ -73,14 +82,34 @@ void check_by_brute_force(bool by_depth, double range) {
       }
     }
   }
-  CHECK(seen_count > 2000);
+  CHECK(seen_count > 2000 * static_cast<int>(pitches.size()) &&
+        (tilted > 2000) == (pitches.size() > 1));
   // By depth the last of a shell is left out, besides.
   CHECK(borderline < seen_count / (by_depth ? 6 : 12));
   CHECK(too_deep == 0 && (farther > 0) == by_depth);
 }
 TEST(agrees_with_brute_force) {
-  check_by_brute_force(false, 5.0);
-  check_by_brute_force(true, 5.0);
+  for (const bool by_depth : {false, true}) {
+    check_by_brute_force(by_depth, 5.0, {0.0});
+    check_by_brute_force(by_depth, 5.0, {0.0, 0.9, -0.9});
+    check_by_brute_force(by_depth, 5.0, {-1.2, 0.3, 0.0, 0.9});
+  }
+}
+TEST(views_are_named_by_heading_and_pitch) {
+  const HeadingTable level(camera(), forward_camera_mount());
+  const HeadingTable table(camera(), forward_camera_mount(), {0.0, 0.9, -0.9});
+  for (int v = 0; v < table.views(); ++v) {
+    const Configuration q = table.at({1, 2, 3}, v);
+    CHECK(table.nearest_view(q) == v && q.position == Point3(1, 2, 3));
+    CHECK(table.nearest_view({q.position, q.yaw + 0.1, 0.9 * q.pitch + 0.02}) == v);
+    CHECK(level.nearest_view(q) == v % kHeadings);
+    // What is ahead of the camera is in this view.
+    const Eigen::Vector3d ahead = camera_pose(q, forward_camera_mount()).linear().col(2);
+    CHECK(has_view(table(ahead), v) && std::abs(ahead.z() + std::sin(q.pitch)) < 1e-12);
+    CHECK(has_view(level(ahead), v) == (v < kHeadings));
+  }
+  for (const auto& wrong : {std::vector<double>{}, std::vector<double>(5, 0.0), {0.0, 1.7}})
+    CHECK_THROWS(Error, HeadingTable(camera(), forward_camera_mount(), wrong));
 }
 
 TEST(nothing_is_seen_through_a_wall_and_little_through_the_unknown) {
@@ -107,9 +136,9 @@ TEST(worth_counts_what_is_not_done) {
   const HeadingTable headings(camera(), forward_camera_mount());
   const SightTargets sight(targets, MapSight(states), headings, {});
   const auto seen = sight.seen_from({2.0, 2.1, 5.0});
-  CHECK_NEAR(worth_by_heading(sight, seen, std::vector<char>{0, 0})[0], 5.0, 1e-12);
-  CHECK_NEAR(worth_by_heading(sight, seen, std::vector<char>{0, 1})[0], 2.0, 1e-12);
-  CHECK_NEAR(worth_by_heading(sight, seen, std::vector<char>{0, 0})[8], 0.0, 1e-12);
+  CHECK_NEAR(worth_by_view(sight, seen, std::vector<char>{0, 0})[0], 5.0, 1e-12);
+  CHECK_NEAR(worth_by_view(sight, seen, std::vector<char>{0, 1})[0], 2.0, 1e-12);
+  CHECK_NEAR(worth_by_view(sight, seen, std::vector<char>{0, 0})[8], 0.0, 1e-12);
 }
 TEST(no_targets_no_sightings) {
   const TsdfMap map({.voxel_size = 0.25});

@@ -25,13 +25,16 @@ TEST(contains_what_projects_into_the_image) {
   const PinholeCamera camera =
       PinholeCamera::from_fov(radians(90), radians(60), 320, 240, 1.6, 8.0);
   for (const double pitch : {-1.2, 0.0, 0.4, kPi / 2}) {
-    const Pose mount = forward_camera_mount(pitch, Point3(0.2, -0.1, 0.3));
+    const Point3 offset(0.2, -0.1, 0.3);
+    const Pose mount = forward_camera_mount(pitch, offset);
     const ViewFrustum frustum(camera, mount);
     int inside = 0;
     for (int n = 0; n < 4000; ++n) {
-      const Configuration q{random_point(random, 3.0), random.uniform(-4.0, 4.0)};
+      const Configuration q{random_point(random, 3.0), random.uniform(-4.0, 4.0),
+                            n % 2 == 0 ? 0.0 : random.uniform(-1.5, 1.5)};
       const Point3 p = q.position + random_point(random, 9.0);
-      const bool expected = projected(camera, mount, q, p);
+      // A gimbal tilts as a mount does.
+      const bool expected = projected(camera, forward_camera_mount(pitch + q.pitch, offset), q, p);
       CHECK(frustum.contains(q, p) == expected);
       const ViewFrustum::Placed placed = frustum.at(q);
       CHECK(!expected || placed.bounds().contains(p));
@@ -58,5 +61,19 @@ TEST(eye_and_axis_follow_the_heading) {
   const ViewFrustum::Placed placed = frustum.at({Point3(1, 2, 3), kPi / 2});
   CHECK_NEAR((placed.eye() - Point3(1, 2.5, 3.1)).norm(), 0.0, 1e-12);
   CHECK_NEAR((placed.axis() - Eigen::Vector3d::UnitY()).norm(), 0.0, 1e-12);
+}
+TEST(a_gimbal_tilts_the_camera_where_it_is) {
+  const Pose mount = forward_camera_mount(0.2, Point3(0.5, 0, 0.1));
+  const Configuration q{Point3(1, 2, 3), kPi / 2, 0.3};
+  const ViewFrustum frustum(PinholeCamera(), mount);
+  const ViewFrustum::Placed placed = frustum.at(q);
+  const Pose T = camera_pose(q, mount);
+  CHECK_NEAR((placed.eye() - Point3(1, 2.5, 3.1)).norm(), 0.0, 1e-12);
+  CHECK_NEAR((T.translation() - placed.eye()).norm(), 0.0, 1e-12);
+  const Eigen::Vector3d down(0.0, std::cos(0.5), -std::sin(0.5));
+  CHECK_NEAR((placed.axis() - down).norm(), 0.0, 1e-12);
+  CHECK_NEAR((T.linear().col(2) - down).norm(), 0.0, 1e-12);
+  const Point3 p(0.3, -1.0, 2.0);
+  CHECK_NEAR((placed.to_body(placed.to_world(p)) - p).norm(), 0.0, 1e-12);
 }
 }  // namespace

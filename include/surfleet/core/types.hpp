@@ -34,8 +34,9 @@ inline double wrap_angle(double a) {
 struct Configuration {
   Point3 position = Point3::Zero();  ///< World frame [m].
   double yaw = 0.0;                  ///< About +z from +x [rad].
+  double pitch = 0.0;  ///< By which a gimbal tilts the camera down, beyond its mount [rad].
 
-  /// The body's pose: x forward along the heading, z up.
+  /// The body's pose: x forward along the heading, z up. The gimbal does not move it.
   Pose pose() const {
     Pose T_world_body = Pose::Identity();
     T_world_body.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -61,5 +62,17 @@ inline Pose forward_camera_mount(double pitch = 0.0, const Point3& offset = Poin
   T.linear() = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix() * optical;
   T.translation() = offset;
   return T;
+}
+/// `T_body_camera` of a mounted camera that a gimbal has tilted down by `pitch` [rad], about the
+/// body's y axis and its own centre.
+inline Pose tilted_mount(const Pose& T_body_camera, double pitch) {
+  if (pitch == 0.0) return T_body_camera;
+  Pose T = T_body_camera;
+  T.linear() = Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()).toRotationMatrix() * T.linear();
+  return T;
+}
+/// `T_world_camera`: body, gimbal and mount.
+inline Pose camera_pose(const Configuration& q, const Pose& T_body_camera) {
+  return q.pose() * tilted_mount(T_body_camera, q.pitch);
 }
 }  // namespace surfleet

@@ -20,7 +20,7 @@
 #include <surfleet/fleet/endurance.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
-#include <surfleet/fleet/watchful_heading.hpp>
+#include <surfleet/fleet/watchful_view.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
@@ -48,7 +48,8 @@ struct AgentOptions {
 template <RobotBody Body>
 class Agent {
  public:
-  /// Body and belief are referred to and must outlive the agent.
+  /// Body and belief are referred to and must outlive the agent. Throws `Error` for a kind with a
+  /// gimbal and a body without.
   Agent(RobotId id, RobotKindId kind, Body& body, SurfaceBelief& belief, AgentOptions options)
       : id_(id),
         kind_(kind),
@@ -57,7 +58,10 @@ class Agent {
         options_(options),
         home_(options.home.value_or(body.estimate())),
         endurance_(options.endurance, home_.position, belief.space(kind).kind.limits),
-        traffic_(traffic_options(belief.space(kind).kind.limits, options.image_period)) {}
+        traffic_(traffic_options(belief.space(kind).kind.limits, options.image_period)) {
+    require(GimballedBody<Body> || !this->kind().has_gimbal(),
+            "pitches of the robot's kind: expected 0 alone, as its body has no gimbal");
+  }
 
   // -- sensing -----------------------------------------------------------------------------------
   /// Takes an image, less what shows teammates. Different agents at once.
@@ -72,7 +76,9 @@ class Agent {
   /// Puts the last image into the belief, which is not updated yet.
   void integrate() { belief_->integrate(image_, kind().camera, camera_pose()); }
   const DepthImage& image() const { return image_; }  ///< The last that was taken.
-  Pose camera_pose() const { return body_->estimate().pose() * kind().T_body_camera; }
+  Pose camera_pose() const {
+    return surfleet::camera_pose(body_->estimate(), kind().T_body_camera);
+  }
 
   // -- what there is to say ----------------------------------------------------------------------
   RobotState state(double time) const {
@@ -168,7 +174,8 @@ class Agent {
         (route.front().configuration.position - route_.front().configuration.position).norm() <
             1e-6 &&
         std::abs(wrap_angle(route.front().configuration.yaw - route_.front().configuration.yaw)) <
-            1e-6;
+            1e-6 &&
+        std::abs(route.front().configuration.pitch - route_.front().configuration.pitch) < 1e-6;
     route_ = std::move(route);
     initial_work_ = open_work();
     replan_ = rule;
@@ -201,19 +208,25 @@ class Agent {
   void move(double time) {
     if (!(heard_.empty() && seen_.empty()) && phase_ != Phase::scanning) give_way(time);
     if (phase_ == Phase::scanning && (quarters_ == 0 || body_->finished())) {
-      if (++quarters_ > 4) {
+      const std::vector<double>& pitches = kind().pitches;
+      if (quarters_ == 4 * pitches.size()) {
         phase_ = Phase::waiting;
       } else {
         const Configuration at = body_->estimate();
+        tilt(pitches[quarters_++ / 4]);
         body_->follow(std::span<const Point3>(&at.position, 1), at.yaw + 0.5 * kPi, std::nullopt);
       }
     }
-    if (phase_ == Phase::flying && options_.watchful) body_->watch(where_to_look());
+    if (phase_ == Phase::flying && options_.watchful) {
+      const Configuration look = where_to_look();
+      body_->watch(look.yaw);
+      tilt(look.pitch);
+    }
     if (!held_) held_until_ = time + kLongestHold;
     if (phase_ == Phase::flying && time > held_until_) give_up_route();
     body_->advance(options_.image_period);
     endurance_.moved_to(body_->estimate().position);
-    if (phase_ == Phase::flying && body_->finished()) phase_ = Phase::looking;
+    if (phase_ == Phase::flying && has_arrived()) phase_ = Phase::looking;
   }
 
  private:
@@ -221,6 +234,13 @@ class Agent {
 
   const KindSpace& space() const { return belief_->space(kind_); }
   const RobotKind& kind() const { return space().kind; }
+  void tilt(double pitch) {
+    if constexpr (GimballedBody<Body>) body_->tilt(pitch);
+  }
+  bool has_arrived() const {
+    const double pitch = GimballedBody<Body> ? route_.front().configuration.pitch : 0.0;
+    return body_->finished() && std::abs(body_->estimate().pitch - pitch) < kSamePitch;
+  }
   bool moving() const { return phase_ == Phase::flying || phase_ == Phase::aside; }
 
   /// Nothing is left that the stop was for; one that is for nothing stays to be flown to.
@@ -337,6 +357,7 @@ class Agent {
   void set_off(const Path& path) {
     const double yaw = route_.front().configuration.yaw;
     body_->follow(path.points, yaw, options_.watchful ? std::optional(yaw) : std::nullopt);
+    tilt(route_.front().configuration.pitch);
     phase_ = Phase::flying;
     images_ = 0;
     ++departures_;
@@ -395,22 +416,27 @@ class Agent {
         break;
     }
   }
-  /// The heading with the most incomplete surface in view from here; near the goal, the goal's.
-  double where_to_look() const {
+  /// The view of the most incomplete surface from here; near the goal, the goal's.
+  Configuration where_to_look() const {
     const Configuration& goal = route_.front().configuration;
     const Point3 here = body_->estimate().position;
     const double left = polyline_length(body_->remaining());
     const AerialLimits& limits = kind().limits;
-    const auto has_to_turn = [&](double angle) {
-      return left < (angle / limits.yaw_rate + 0.5) * limits.speed;
+    const auto has_to_turn = [&](double yaw, double pitch) {
+      const double time = std::max(yaw / limits.yaw_rate, pitch / limits.pitch_rate);
+      return left < (time + 0.5) * limits.speed;
     };
-    if (!replan_.watch_on && has_to_turn(kPi)) return goal.yaw;
-    const auto yaw = watchful_heading(*belief_, space(), here);
-    return !yaw || has_to_turn(std::abs(wrap_angle(goal.yaw - *yaw))) ? goal.yaw : *yaw;
+    if (!replan_.watch_on && has_to_turn(kPi, 0.0)) return goal;
+    const auto view = watchful_view(*belief_, space(), here);
+    return !view || has_to_turn(std::abs(wrap_angle(goal.yaw - view->yaw)),
+                                std::abs(goal.pitch - view->pitch))
+               ? goal
+               : *view;
   }
 
-  static constexpr double kHome = 0.05;     ///< So near to its start it is there [m].
-  static constexpr double kFairLook = 0.4;  ///< Least cosine between n̄_v and the line of sight.
+  static constexpr double kHome = 0.05;       ///< So near to its start it is there [m].
+  static constexpr double kSamePitch = 1e-3;  ///< [rad]
+  static constexpr double kFairLook = 0.4;    ///< Least cosine between n̄_v and the line of sight.
   static constexpr int kMostVainReturns = 8;
   static constexpr double kIdle = 2.0;  ///< Between requests of a robot without work [s] …
   static constexpr double kLongestIdle = 30.0;  ///< … when nothing was found time after time.
@@ -433,7 +459,7 @@ class Agent {
   Stops route_;                   // what is left to do; the first stop is under way
   std::size_t initial_work_ = 0;  // elements the route was made for
   ReplanRule replan_;             // of the plan that the route is from
-  int quarters_ = 0;              // of the first look around
+  std::size_t quarters_ = 0;      // of the first look around, a turn at each pitch
   double idle_until_ = 0.0;       // no new request before [s]
   double pause_ = kIdle;          // until the next request if this one gives nothing [s]
   std::size_t images_ = 0;        // taken at this stop

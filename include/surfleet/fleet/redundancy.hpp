@@ -32,7 +32,8 @@ class RedundancyCheck {
 
   bool same(const Stop& a, const Stop& b) const {
     if ((a.configuration.position - b.configuration.position).norm() <= options.radius &&
-        std::abs(wrap_angle(a.configuration.yaw - b.configuration.yaw)) <= options.angle)
+        std::abs(wrap_angle(a.configuration.yaw - b.configuration.yaw)) <= options.angle &&
+        std::abs(a.configuration.pitch - b.configuration.pitch) <= options.angle)
       return true;
     if (a.targets.empty() || b.targets.empty()) return false;
     std::set<std::array<int, 3>> of_a;

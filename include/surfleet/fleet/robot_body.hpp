@@ -31,6 +31,8 @@ struct SeenRobot {
 /// - `remaining()`: the path ahead; `stopping_distance()` [m]; `velocity()` [m/s].
 /// - `standing()`, `braking()`, `finished()`: at the end of the path with the heading asked for.
 /// - `advance(dt)`: lets time pass [s]; a real robot has nothing to do here.
+///
+/// Stops at other pitches than 0 need a `GimballedBody`.
 template <typename B>
 concept RobotBody = requires(B& body, const B& now, std::span<const Point3> path, double x,
                              std::optional<double> watch) {
@@ -49,5 +51,12 @@ concept RobotBody = requires(B& body, const B& now, std::span<const Point3> path
   { now.braking() } -> std::convertible_to<bool>;
   { now.finished() } -> std::convertible_to<bool>;
   body.advance(x);
+};
+
+/// A body whose camera hangs in a gimbal: `tilt(pitch)` turns it, in its own time, to that pitch of
+/// `Configuration` [rad]; `estimate()` tells how far it is.
+template <typename B>
+concept GimballedBody = RobotBody<B> && requires(B& body, double pitch) {
+  body.tilt(pitch);
 };
 }  // namespace surfleet

@@ -4,12 +4,14 @@
 ///
 /// A body of kind `state`: whom its sender hears itself (number, then ids); number of news; of
 /// each: robot, incarnation, number (varints); hops (uint8); age [s] (float32); then kind (varint),
-/// idle, held, cornered, first, done (bits of a uint8), if done what it holds (uint64), position
-/// and yaw (4 × float64), the path ahead (number, 3 × float32 a point). A body of kind `route` has
-/// for each the same beginning, and then its stops (number); of each position and yaw (4 × float64)
-/// and its targets (number, 3 zigzag varints a voxel).
+/// idle, held, cornered, first, done, tilted (bits of a uint8), if done what it holds (uint64),
+/// position and yaw (4 × float64), if tilted its pitch (float64), the path ahead (number, 3 ×
+/// float32 a point). A body of kind `route`: number of news, 65536 more if stops are tilted; of
+/// each the same beginning, and then its stops (number); of each position and yaw (4 × float64), if
+/// they are tilted its pitch (float64), and its targets (number, 3 zigzag varints a voxel).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -53,8 +55,8 @@ struct StateMessage {
 
 namespace detail {
 inline constexpr std::uint64_t kMostNews = 256, kMostAhead = 1024, kMostStops = 1024,
-                               kMostTargets = 1 << 16;
-inline constexpr double kMostMetres = 1e7, kMostAge = 1e6;
+                               kMostTargets = 1 << 16, kTilted = 1 << 16;
+inline constexpr double kMostMetres = 1e7, kMostAge = 1e6, kMostPitch = 1.6;
 
 class NewsReader {
  public:
@@ -67,9 +69,13 @@ class NewsReader {
   }
   /// How many follow, of which each has at least `bytes`.
   std::size_t count(std::uint64_t most, std::size_t bytes) {
-    const std::uint64_t n = number(most);
-    if (n > in_.remaining() / bytes) throw Error(what_ + ": ends early");
-    return static_cast<std::size_t>(n);
+    return count_of(number(most), most, bytes);
+  }
+  /// The same, and whether they have pitches.
+  std::pair<std::size_t, bool> count_tilted(std::uint64_t most, std::size_t bytes) {
+    const std::uint64_t n = number(kTilted + most);
+    const bool tilted = n >= kTilted;
+    return {count_of(tilted ? n - kTilted : n, most, bytes), tilted};
   }
   template <typename T>
   double real(double most) {
@@ -97,6 +103,7 @@ class NewsReader {
     c.yaw = real<double>(1e3);
     return c;
   }
+  double pitch() { return real<double>(kMostPitch); }
   NewsHead head() {
     constexpr std::uint64_t kMax = std::numeric_limits<std::uint32_t>::max();
     NewsHead h;
@@ -113,6 +120,12 @@ class NewsReader {
   }
 
  private:
+  std::size_t count_of(std::uint64_t n, std::uint64_t most, std::size_t bytes) const {
+    if (n > most) throw Error(what_ + ": a number beyond its bounds");
+    if (n > in_.remaining() / bytes) throw Error(what_ + ": ends early");
+    return static_cast<std::size_t>(n);
+  }
+
   ByteReader in_;
   std::string what_;
 };
@@ -140,11 +153,12 @@ inline Bytes encode_states(const StateMessage& message) {
   for (const StateNews& n : message.news) {
     detail::put_head(out, n.head);
     detail::put_varint(out, n.state.kind);
-    out.put(static_cast<std::uint8_t>((n.state.idle ? 1 : 0) | (n.state.held ? 2 : 0) |
-                                      (n.state.cornered ? 4 : 0) | (n.state.first ? 8 : 0) |
-                                      (n.state.done ? 16 : 0)));
+    out.put(static_cast<std::uint8_t>(
+        (n.state.idle ? 1 : 0) | (n.state.held ? 2 : 0) | (n.state.cornered ? 4 : 0) |
+        (n.state.first ? 8 : 0) | (n.state.done ? 16 : 0) | (n.state.at.pitch != 0.0 ? 32 : 0)));
     if (n.state.done) out.put(n.state.holds);
     detail::put_configuration(out, n.state.at);
+    if (n.state.at.pitch != 0.0) out.put(n.state.at.pitch);
     const std::size_t ahead = std::min<std::size_t>(n.state.ahead.size(), detail::kMostAhead);
     detail::put_varint(out, ahead);
     for (std::size_t i = 0; i < ahead; ++i) detail::put_point(out, n.state.ahead[i]);
@@ -170,6 +184,7 @@ inline StateMessage decode_states(std::span<const std::byte> bytes) {
     n.state.done = (flags & 16) != 0;
     if (n.state.done) n.state.holds = in.digest();
     n.state.at = in.configuration();
+    if ((flags & 32) != 0) n.state.at.pitch = in.pitch();
     n.state.ahead.resize(in.count(detail::kMostAhead, 12));
     for (Point3& p : n.state.ahead) p = in.point<float>();
   }
@@ -179,7 +194,11 @@ inline StateMessage decode_states(std::span<const std::byte> bytes) {
 
 inline Bytes encode_routes(const std::vector<RouteNews>& news) {
   ByteWriter out;
-  detail::put_varint(out, news.size());
+  const bool tilted = std::any_of(news.begin(), news.end(), [](const RouteNews& n) {
+    return std::any_of(n.route.begin(), n.route.end(),
+                       [](const Stop& s) { return s.configuration.pitch != 0.0; });
+  });
+  detail::put_varint(out, news.size() + (tilted ? detail::kTilted : 0));
   for (const RouteNews& n : news) {
     detail::put_head(out, n.head);
     const std::size_t stops = std::min<std::size_t>(n.route.size(), detail::kMostStops);
@@ -187,6 +206,7 @@ inline Bytes encode_routes(const std::vector<RouteNews>& news) {
     for (std::size_t i = 0; i < stops; ++i) {
       const Stop& stop = n.route[i];
       detail::put_configuration(out, stop.configuration);
+      if (tilted) out.put(stop.configuration.pitch);
       const std::size_t targets = std::min<std::size_t>(stop.targets.size(), detail::kMostTargets);
       detail::put_varint(out, targets);
       for (std::size_t t = 0; t < targets; ++t)
@@ -198,12 +218,14 @@ inline Bytes encode_routes(const std::vector<RouteNews>& news) {
 /// Throws `Error` on anything but a sound message.
 inline std::vector<RouteNews> decode_routes(std::span<const std::byte> bytes) {
   detail::NewsReader in(bytes, "routes");
-  std::vector<RouteNews> news(in.count(detail::kMostNews, 9));
+  const auto [count, tilted] = in.count_tilted(detail::kMostNews, 9);
+  std::vector<RouteNews> news(count);
   for (RouteNews& n : news) {
     n.head = in.head();
     n.route.resize(in.count(detail::kMostStops, 33));
     for (Stop& stop : n.route) {
       stop.configuration = in.configuration();
+      if (tilted) stop.configuration.pitch = in.pitch();
       stop.targets.resize(in.count(detail::kMostTargets, 3));
       for (VoxelIndex& v : stop.targets)
         for (int k = 0; k < 3; ++k) v[k] = in.coordinate();

@@ -143,7 +143,8 @@ class TeamRelay {
   static bool same(const Stops& a, const Stops& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Stop& p, const Stop& q) {
       return p.configuration.position == q.configuration.position &&
-             p.configuration.yaw == q.configuration.yaw && p.targets == q.targets;
+             p.configuration.yaw == q.configuration.yaw &&
+             p.configuration.pitch == q.configuration.pitch && p.targets == q.targets;
     });
   }
   bool hears(const Mate& mate, double now) const { return now - mate.direct <= options_.silence; }

@@ -80,6 +80,9 @@ struct AerialLimits {
   double yaw_rate = 0.8;          ///< [rad/s]
   double yaw_acceleration = 2.0;  ///< [rad/s²]
   double corner_tolerance = 0.1;  ///< How far corners are cut [m].
+  // Of a gimbal, if there is one:
+  double pitch_rate = 1.0;          ///< [rad/s]
+  double pitch_acceleration = 4.0;  ///< [rad/s²]
 };
 
 /// Position and heading move independently; the heading may look anywhere on the way.

@@ -59,39 +59,42 @@ struct CoverageTour {
 };
 
 /// How a tour is flown to take images: at constant speed, turning on the way to each viewpoint and
-/// there until its heading is reached.
+/// there until its heading and pitch are reached.
 struct TourFlightOptions {
   double speed = 0.6;          ///< [m/s]
   double yaw_rate = 0.8;       ///< [rad/s]
+  double pitch_rate = 1.0;     ///< Of a gimbal [rad/s].
   double image_period = 0.25;  ///< Longest time between two images [s].
   double hold = 0.0;           ///< Time spent at every viewpoint, facing its heading [s].
 };
 
 /// Where images are taken on a tour: a body's pose and its time in seconds for each. The first is
 /// at `start` at time 0; there is one at every corner of the path, so that straight lines between
-/// images are the path, and one at every viewpoint with its heading. O(images).
+/// images are the path, and one at every viewpoint as it looks. O(images).
 inline std::vector<std::pair<double, Configuration>> fly_tour(
     const CoverageTour& tour, const Configuration& start, const TourFlightOptions& options = {}) {
-  require(options.speed > 0.0 && options.yaw_rate > 0.0 && options.image_period > 0.0 &&
-              options.hold >= 0.0,
-          "tour flight: expected a speed, yaw rate and period above 0 and a hold of 0 or more");
+  require(options.speed > 0.0 && options.yaw_rate > 0.0 && options.pitch_rate > 0.0 &&
+              options.image_period > 0.0 && options.hold >= 0.0,
+          "tour flight: expected a speed, rates and a period above 0 and a hold of 0 or more");
   std::vector<std::pair<double, Configuration>> images{{0.0, start}};
-  // An image `dt` later at `p`, turned towards `yaw`.
-  const auto image = [&](const Point3& p, double yaw, double dt) {
+  // An image `dt` later at `p`, turned towards `view`.
+  const auto image = [&](const Point3& p, const Configuration& view, double dt) {
     const auto [time, last] = images.back();
-    const double most = options.yaw_rate * dt;
-    const double turn = std::clamp(wrap_angle(yaw - last.yaw), -most, most);
-    images.push_back({time + dt, {p, wrap_angle(last.yaw + turn)}});
+    const double most = options.yaw_rate * dt, most_tilt = options.pitch_rate * dt;
+    const double turn = std::clamp(wrap_angle(view.yaw - last.yaw), -most, most);
+    const double tilt = std::clamp(view.pitch - last.pitch, -most_tilt, most_tilt);
+    images.push_back({time + dt, {p, wrap_angle(last.yaw + turn), last.pitch + tilt}});
   };
   std::size_t stop = 0;
   // At a viewpoint: all that have this place are looked from, each with its heading.
   const auto look_around = [&](const Point3& at) {
     for (; stop < tour.viewpoints.size() && tour.viewpoints[stop].position == at; ++stop) {
-      const double yaw = tour.viewpoints[stop].yaw;
-      while (std::abs(wrap_angle(images.back().second.yaw - yaw)) > 1e-9)
-        image(at, yaw, options.image_period);
+      const Configuration& view = tour.viewpoints[stop];
+      while (std::abs(wrap_angle(images.back().second.yaw - view.yaw)) > 1e-9 ||
+             std::abs(images.back().second.pitch - view.pitch) > 1e-9)
+        image(at, view, options.image_period);
       for (double held = 0.0; held < options.hold; held += options.image_period)
-        image(at, yaw, options.image_period);
+        image(at, view, options.image_period);
     }
   };
   if (!tour.path.empty()) look_around(tour.path.front());
@@ -100,8 +103,7 @@ inline std::vector<std::pair<double, Configuration>> fly_tour(
     const double time = (b - a).norm() / options.speed;
     const double steps = std::ceil(time / options.image_period);
     for (double i = 1.0; i <= steps; ++i)
-      image(i < steps ? Point3(a + (b - a) * (i / steps)) : b, tour.viewpoints[stop].yaw,
-            time / steps);
+      image(i < steps ? Point3(a + (b - a) * (i / steps)) : b, tour.viewpoints[stop], time / steps);
     look_around(b);
   }
   return images;
@@ -114,7 +116,8 @@ class CoverageTourPlanner {
  public:
   CoverageTourPlanner(const KnownSurface& surface, const Caster& caster, const FreeSpace& space,
                       LazyPrmStar& roadmap, const PinholeCamera& camera, const Pose& T_body_camera,
-                      const Configuration& start, const CoverageTourOptions& options)
+                      const std::vector<double>& pitches, const Configuration& start,
+                      const CoverageTourOptions& options)
       : surface_(surface),
         space_(space),
         roadmap_(roadmap),
@@ -122,7 +125,7 @@ class CoverageTourPlanner {
         options_(options),
         range_(options.max_range > 0.0 ? std::min(options.max_range, camera.max_range)
                                        : camera.max_range),
-        headings_(camera, T_body_camera),
+        headings_(camera, T_body_camera, pitches),
         targets_(targets_of(surface), MeshSight<Caster>(caster), headings_,
                  {.max_range = range_, .max_incidence = options.max_incidence, .by_depth = true}) {}
 
@@ -153,7 +156,7 @@ class CoverageTourPlanner {
  private:
   struct Candidate {
     std::size_t site = 0;
-    int heading = 0;
+    int view = 0;
     std::vector<std::int32_t> seen;
   };
 
@@ -173,10 +176,10 @@ class CoverageTourPlanner {
       if (!reach(site.position)) return true;
       const std::vector<Sighting> seen = targets_.seen_from(site.position);
       for (const Sighting& s : seen) reachable_[static_cast<std::size_t>(s.target)] = 1;
-      for (int k = 0; k < kHeadings && !seen.empty(); ++k) {
+      for (int k = 0; k < headings_.views() && !seen.empty(); ++k) {
         Candidate c{sites_.size(), k, {}};
         for (const Sighting& s : seen)
-          if ((s.headings >> k & 1U) != 0U) c.seen.push_back(s.target);
+          if (has_view(s.views, k)) c.seen.push_back(s.target);
         if (!c.seen.empty()) candidates_.push_back(std::move(c));
       }
       sites_.push_back(site.position);
@@ -291,18 +294,17 @@ class CoverageTourPlanner {
     stops_ = std::move(next);
   }
 
-  /// Looks taken on the way, facing the next viewpoint's heading as a drone would that turns while
+  /// Looks taken on the way, facing as at the next viewpoint, as a drone would that turns while
   /// it flies.
   void look_on_the_way() {
     en_route_.assign(surface_.points.size(), 0);
     for (std::size_t k = 0; k < stops_.size(); ++k) {
       const auto path = roadmap_.query(place(k), place(k + 1));
       if (!path) continue;
-      const int heading = candidates_[stops_[k]].heading;
+      const int view = candidates_[stops_[k]].view;
       for_each_look_along(*path, [&](const Point3& p) {
         for (const Sighting& seen : targets_.seen_from(p))
-          if ((seen.headings >> heading & 1U) != 0U)
-            en_route_[static_cast<std::size_t>(seen.target)] = 1;
+          if (has_view(seen.views, view)) en_route_[static_cast<std::size_t>(seen.target)] = 1;
       });
     }
   }
@@ -353,10 +355,12 @@ class CoverageTourPlanner {
   void fly(CoverageTour& tour) {
     tour.path.push_back(start_.position);
     for (std::size_t k = 0; k < stops_.size(); ++k) {
-      const Configuration stop{place(k + 1), heading_angle(candidates_[stops_[k]].heading)};
+      const Configuration stop = headings_.at(place(k + 1), candidates_[stops_[k]].view);
       if (const auto path = roadmap_.query(place(k), place(k + 1))) {
         tour.path.insert(tour.path.end(), path->points.begin() + 1, path->points.end());
-        for_each_look_along(*path, [&](const Point3& p) { tour.looks.push_back({p, stop.yaw}); });
+        for_each_look_along(*path, [&](const Point3& p) {
+          tour.looks.push_back({p, stop.yaw, stop.pitch});
+        });
       }
       tour.viewpoints.push_back(stop);
       tour.looks.push_back(stop);
@@ -389,8 +393,8 @@ class CoverageTourPlanner {
 /// Chooses viewpoints by new area per metre inserted into the tour, improves the order by
 /// Lin-Kernighan over roadmap lengths, counts what is seen on the way, drops what became useless,
 /// and fills up again. Candidates are the nodes of a lattice that can be reached from the start,
-/// with sixteen headings each. It is what an engineer with a model of the structure would fly, and
-/// the yardstick for planners that have none.
+/// with sixteen headings each, and a gimbal's `pitches` (see `HeadingTable`). It is what an
+/// engineer with a model of the structure would fly, and the yardstick for planners that have none.
 ///
 /// O(candidates · samples in view) for the sightings and O(stops · candidates) for the choice.
 template <RayCaster Caster>
@@ -398,7 +402,8 @@ CoverageTour plan_coverage_tour(const KnownSurface& surface, const Caster& caste
                                 const FreeSpace& space, LazyPrmStar& roadmap,
                                 const PinholeCamera& camera, const Configuration& start,
                                 const CoverageTourOptions& options = {},
-                                const Pose& T_body_camera = forward_camera_mount()) {
+                                const Pose& T_body_camera = forward_camera_mount(),
+                                const std::vector<double>& pitches = {0.0}) {
   require(surface.points.size() == surface.normals.size() &&
               surface.points.size() == surface.areas.size(),
           "known surface: expected points, normals and areas of one length");
@@ -406,7 +411,7 @@ CoverageTour plan_coverage_tour(const KnownSurface& surface, const Caster& caste
               options.image_spacing > 0.0 && options.stop_cost > 0.0,
           "coverage tour: expected a share in (0, 1] and lengths above 0");
   return detail::CoverageTourPlanner<Caster>(surface, caster, space, roadmap, camera, T_body_camera,
-                                             start, options)
+                                             pitches, start, options)
       .plan();
 }
 }  // namespace surfleet

@@ -23,12 +23,12 @@ namespace surfleet {
 /// What was in view where a robot had looked already: not worth another view there.
 class ViewsInVain {
  public:
-  /// `gain` is in view from a node at a heading after a look there; says whether that is new.
-  bool note(std::size_t node, int heading, double gain) {
-    return left_.insert_or_assign({node, heading}, gain).second;
+  /// `gain` is left in a view from a node after a look there; says whether that is new.
+  bool note(std::size_t node, int view, double gain) {
+    return left_.insert_or_assign({node, view}, gain).second;
   }
-  bool contains(std::size_t node, int heading, double gain) const {
-    const auto it = left_.find({node, heading});
+  bool contains(std::size_t node, int view, double gain) const {
+    const auto it = left_.find({node, view});
     return it != left_.end() && gain <= kMore * it->second;
   }
 
@@ -59,51 +59,51 @@ class LatticeViews {
   std::size_t size() const { return places_.size(); }
   std::size_t node(std::size_t s) const { return lattice_->index(places_[s].site.cell); }
   /// Whether anything could be in view from a node.
-  bool any(const VoxelIndex& cell) const { return most_.at_any_heading(cell) > 0.0; }
+  bool any(const VoxelIndex& cell) const { return most_.in_any_view(cell) > 0.0; }
 
   // A model of `ViewsFromSites`.
   double most(std::size_t s) const {
     const Site& site = places_[s].site;
-    return share_of(site) * (any(site.cell) ? best(most_(site.cell)) : 0.0);
+    return share_of(site) * (any(site.cell) ? most_(site.cell).most() : 0.0);
   }
-  double look(std::size_t s, double enough, GainByHeading& gain) {
+  double look(std::size_t s, double enough, WorthByView& gain) {
     Place& place = places_[s];
     const double share = share_of(place.site);
     View& view = view_of(place);
-    gain = worth_by_heading(*targets_, view.seen, done_);
-    if (const double most = share * best(gain); most <= enough) return most;
-    // Lines of sight are told for headings that may yet be enough.
+    gain = worth_by_view(*targets_, view.seen, done_);
+    if (const double most = share * gain.most(); most <= enough) return most;
+    // Lines of sight are told for views that may yet be enough.
     const auto may_do = [&] {
-      unsigned headings = 0;
-      for (std::size_t k = 0; k < kHeadings; ++k)
-        if (share * gain[k] + kRounding > enough) headings |= 1U << k;
-      return headings;
+      ViewBits views = 0;
+      for (std::size_t k = 0; k < gain.size(); ++k)
+        if (share * gain[k] + kRounding > enough) views |= ViewBits{1} << k;
+      return views;
     };
-    unsigned wanted = may_do();
+    ViewBits wanted = may_do();
     cast(place.site, view, wanted, [&](const Sighting& hidden) {
-      for (unsigned bits = hidden.headings; bits != 0; bits &= bits - 1)
+      for (ViewBits bits = hidden.views; bits != 0; bits &= bits - 1)
         gain[static_cast<std::size_t>(std::countr_zero(bits))] -=
             (*targets_)[static_cast<std::size_t>(hidden.target)].worth;
       return wanted = may_do();
     });
-    if (wanted == 0) return share * best(gain) + kRounding;
-    gain = worth_by_heading(*targets_, view.seen, done_);
+    if (wanted == 0) return share * gain.most() + kRounding;
+    gain = worth_by_view(*targets_, view.seen, done_);
     const std::size_t n = node(s);
-    for (std::size_t k = 0; k < kHeadings; ++k)
+    for (std::size_t k = 0; k < gain.size(); ++k)
       gain[k] = vain_->contains(n, static_cast<int>(k), gain[k]) ? 0.0 : share * gain[k];
-    return best(gain);
+    return gain.most();
   }
-  void take(std::size_t s, int heading) {
+  void take(std::size_t s, int view_taken) {
     Place& place = places_[s];
     View& view = view_of(place);
-    const unsigned wanted = 1U << heading;
+    const ViewBits wanted = ViewBits{1} << view_taken;
     cast(place.site, view, wanted, [&](const Sighting&) { return wanted; });
-    mark_in_view(view.seen, heading, done_, [](std::size_t) {});
+    mark_in_view(view.seen, view_taken, done_, [](std::size_t) {});
   }
 
-  /// Counts no more what is seen at a heading from a place.
+  /// Counts no more what is seen from a place.
   void mark(const Configuration& at) {
-    mark_in_view(targets_->seen_from(at.position), nearest_heading(at.yaw), done_,
+    mark_in_view(targets_->seen_from(at.position), targets_->headings().nearest_view(at), done_,
                  [](std::size_t) {});
   }
   std::span<const char> done() const { return done_; }
@@ -120,9 +120,6 @@ class LatticeViews {
   static constexpr double kRounding = 1e-9;  ///< Of sums of gain [m²].
 
   double share_of(const Site& site) const { return site.known ? 1.0 : unknown_gain_; }
-  static double best(const GainByHeading& gain) {
-    return *std::max_element(gain.begin(), gain.end());
-  }
   View& view_of(Place& place) const {
     if (!place.view) {
       thread_local std::vector<Sighting> buffer;
@@ -131,11 +128,11 @@ class LatticeViews {
     }
     return *place.view;
   }
-  /// Leaves of a view, at the wanted headings, what is in sight and counts yet, in its order.
-  /// `still_wanted` is told of each target that is not in sight, and says which headings are from
-  /// then on.
+  /// Leaves of what wanted views of a place may show what is in sight and counts yet, in its order.
+  /// `still_wanted` is told of each target that is not in sight, and says which views are from then
+  /// on.
   template <typename StillWanted>
-  void cast(const Site& site, View& view, unsigned wanted, StillWanted&& still_wanted) const {
+  void cast(const Site& site, View& view, ViewBits wanted, StillWanted&& still_wanted) const {
     MapSight sees = targets_->sight();
     if (!site.known) sees.look_through_unknown();
     const Point3 position = lattice_->position(site.cell);
@@ -145,7 +142,7 @@ class LatticeViews {
       const auto target = static_cast<std::size_t>(s.target);
       if (done_[target] != 0) continue;
       char sure = view.sure[k];
-      if (sure == 0 && (s.headings & wanted) != 0) {
+      if (sure == 0 && (s.views & wanted) != 0) {
         if (!sees(position, (*targets_)[target])) {
           wanted = still_wanted(s);
           continue;

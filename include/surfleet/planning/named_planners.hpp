@@ -26,6 +26,7 @@ struct NamedPlanner {
   /// Where missions by it end if nothing else is said: at routes that gain less for a metre, over
   /// the camera's range [m²/m per m].
   double enough = 0.0;
+  bool chooses_pitch = false;  ///< Of a gimbal, with the heading.
 
   /// `SurfaceBeliefOptions::observed_share` that it is flown with.
   double observed_share() const { return as_printed ? 1.0 : 0.15; }
@@ -33,7 +34,7 @@ struct NamedPlanner {
 
 /// The first is the library's own.
 inline constexpr std::array<NamedPlanner, 7> kPlanners{{
-    {.name = "surfleet", .enough = 0.05},
+    {.name = "surfleet", .enough = 0.05, .chooses_pitch = true},
     {.name = "tsga", .as_printed = true},
     {.name = "nnb", .as_printed = true},
     {.name = "tsga-plus"},

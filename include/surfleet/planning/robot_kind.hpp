@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/core/transport.hpp>
@@ -27,6 +28,11 @@ struct RobotKind {
   AerialLimits limits;
   Box3 bounds;       ///< Where the robots' centres may be [m].
   KeepOut keep_out;  ///< Where in there their bodies may not be.
+  /// By which the camera is tilted down beyond its mount in views [rad]: others than 0 take a
+  /// gimbal. See `HeadingTable`.
+  std::vector<double> pitches{0.0};
+
+  bool has_gimbal() const { return pitches != std::vector<double>{0.0}; }
 };
 
 /// The same for kinds that see and reach the same, on whatever host, and almost certainly another
@@ -53,6 +59,8 @@ inline std::uint32_t kind_number(const RobotKind& kind) {
     add_point(box.min());
     add_point(box.max());
   }
+  if (kind.has_gimbal())
+    for (const double p : kind.pitches) add(p);
   return static_cast<std::uint32_t>(h);
 }
 }  // namespace surfleet

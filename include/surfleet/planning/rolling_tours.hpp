@@ -46,7 +46,7 @@ struct RollingToursOptions {
 /// Tours of the whole team over all there is to see, rolled on with every image.
 ///
 /// What is worth seeing is told by `Interest`; a stop is a node of the flight lattice and a
-/// heading. Each plan makes a tour for every robot by gain per metre inserted (`TeamTours`), in
+/// view. Each plan makes a tour for every robot by gain per metre inserted (`TeamTours`), in
 /// space that is known or may be free; robots under way keep the stops they were given, and their
 /// tours go on from there. Who is asked for is given the first stops of its tour, or the look that
 /// opens most of the way where that is not known. The rule is the same for one robot and for many.
@@ -262,12 +262,12 @@ class RollingTours {
     for (std::size_t k = 0; k < std::min(tour.size(), kGiven); ++k) {
       const LatticeViews::Site& site = views[tour[k].site];
       if (!site.known) break;
-      const Configuration at{places[k], heading_angle(tour[k].heading)};
-      const Configuration moved{place_beside(s, targets, at, tour[k].heading, taut[k], done),
-                                at.yaw};
+      const Configuration at = s.space().headings.at(places[k], tour[k].view);
+      Configuration moved = at;
+      moved.position = place_beside(s, targets, at, tour[k].view, taut[k], done);
       if (moved.position != at.position) moved_.push_back({robot.id, moved.position, site.cell});
       Stop stop{moved, {}};
-      mark_in_view(targets.seen_from(moved.position), tour[k].heading, done, [&](std::size_t id) {
+      mark_in_view(targets.seen_from(moved.position), tour[k].view, done, [&](std::size_t id) {
         for (const std::int32_t i : interest_.goals(id))
           stop.targets.push_back(s.goals[static_cast<std::size_t>(i)].voxel);
       });
@@ -277,11 +277,10 @@ class RollingTours {
   }
   /// As near to `wish` as a view still shows enough of what it shows from its place.
   Point3 place_beside(const SurfaceSituation& s, const SightTargets<>& targets,
-                      const Configuration& at, int heading, const Point3& wish,
+                      const Configuration& at, int view, const Point3& wish,
                       std::span<const char> done) const {
     const auto gain = [&](const Point3& p) {
-      return worth_by_heading(targets, targets.seen_from(p),
-                              done)[static_cast<std::size_t>(heading)];
+      return worth_by_view(targets, targets.seen_from(p), done)[static_cast<std::size_t>(view)];
     };
     const double whole = gain(at.position);
     for (const double share : {1.0, 0.67, 0.33}) {
@@ -314,16 +313,18 @@ class RollingTours {
     });
     const VoxelIndex cell = moved == moved_.end() ? lattice.nearest(at.position) : moved->cell;
     const Point3 place = lattice.position(cell);
-    const int heading = nearest_heading(at.yaw);
+    const int view = s.space().headings.nearest_view(at);
+    const Configuration nearest = s.space().headings.at(place, view);
     if ((moved == moved_.end() && (place - at.position).norm() > kSamePlace) ||
-        std::abs(wrap_angle(heading_angle(heading) - at.yaw)) > kSamePlace)
+        std::abs(wrap_angle(nearest.yaw - at.yaw)) > kSamePlace ||
+        std::abs(nearest.pitch - at.pitch) > kSamePlace)
       return;
     const std::vector<Sighting> seen = targets.seen_from(place);
     std::vector<char> done(targets.size(), 0);
-    const double gain = worth_by_heading(targets, seen, done)[static_cast<std::size_t>(heading)];
-    if (!vain_.note(lattice.index(cell), heading, gain))
+    const double gain = worth_by_view(targets, seen, done)[static_cast<std::size_t>(view)];
+    if (!vain_.note(lattice.index(cell), view, gain))
       return;  // A robot that stands there still has not looked anew.
-    mark_in_view(seen, heading, done, [&](std::size_t id) {
+    mark_in_view(seen, view, done, [&](std::size_t id) {
       interest_.looked_in_vain(id, targets[id].position, s.belief.known().voxel_size());
     });
   }

@@ -55,7 +55,7 @@ struct KindSpace {
                        .unknown_margin = kind.unknown_margin.value_or(kind.margin.value_or(voxel)),
                        .keep_out = kind.keep_out}),
         roadmap(free, {.seed = seed}),
-        headings(kind.camera, kind.T_body_camera),
+        headings(kind.camera, kind.T_body_camera, kind.pitches),
         frustum(kind.camera, kind.T_body_camera) {}
   KindSpace(const KindSpace&) = delete;
   KindSpace& operator=(const KindSpace&) = delete;

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -23,27 +22,24 @@
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
-/// What a place would show at each heading [m²].
-using GainByHeading = std::array<double, kHeadings>;
-
 /// What views from sites would show, as stops are taken one after the other.
 ///
 /// `look(s, enough, gain)` is no less than the gain of the best view from site s; if it is above
-/// `enough` it is that, and `gain` is by heading wherever it is above, so what is clearly too
+/// `enough` it is that, and `gain` is by view [m²] wherever it is above, so what is clearly too
 /// little need not be looked at. It never grows, and looks from different sites may be taken at
-/// once. `most(s)` is no less than it was at first, and quickly told. `take(s, heading)` says that
+/// once. `most(s)` is no less than it was at first, and quickly told. `take(s, view)` says that
 /// what is seen there counts no more.
 template <typename V>
-concept ViewsFromSites = requires(V& views, std::size_t s, double enough, GainByHeading& gain,
-                                  int heading) {
+concept ViewsFromSites = requires(V& views, std::size_t s, double enough, WorthByView& gain,
+                                  int view) {
   { views.most(s) } -> std::convertible_to<double>;
   { views.look(s, enough, gain) } -> std::convertible_to<double>;
-  views.take(s, heading);
+  views.take(s, view);
 };
 
 struct TeamTourOptions {
   double stop_cost = 1.0;  ///< What a stop costs beside its detour; more than 0 [m].
-  double turn_cost = 0.1;  ///< What turning costs [m/rad].
+  double turn_cost = 0.1;  ///< What turning costs; gimbals tilt meanwhile [m/rad].
   double keep = 1.3;       ///< Gain of the goal a robot is on its way to, over that of another.
   /// What a metre costs that a robot's tour is longer than the shortest of the team: others are
   /// there sooner.
@@ -61,7 +57,7 @@ struct TourStart {
 };
 struct TeamTourStop {
   std::size_t site = 0;
-  int heading = 0;
+  int view = 0;
   double rate = 0.0;  ///< Its gain over what it cost when it was inserted.
   double gain = 0.0;  ///< What it shows beside those that were inserted before [m²].
 };
@@ -90,7 +86,7 @@ class TeamTours {
         sites_.size(), options_.threads, [&](std::size_t s) { most[s] = views_->most(s); }, 256);
     while (const auto best = best_insertion(most)) {
       tours_[best->tour].insert(best->stop, best->leg, options_.stop_cost);
-      views_->take(best->stop.site, best->stop.heading);
+      views_->take(best->stop.site, best->stop.view);
     }
     std::vector<std::vector<TeamTourStop>> ordered(tours_.size());
     parallel_for(tours_.size(), options_.threads, [&](std::size_t t) {
@@ -115,7 +111,7 @@ class TeamTours {
       return k == 0 ? start->from.position : sites[stops[k - 1].site];
     }
     double yaw(std::size_t k) const {
-      return k == 0 ? start->from.yaw : heading_angle(stops[k - 1].heading);
+      return k == 0 ? start->from.yaw : heading_angle(stops[k - 1].view % kHeadings);
     }
     double distance(std::size_t k, std::size_t s) const {
       return k == 0 ? start->distance[s] : (position(k) - sites[s]).norm();
@@ -242,21 +238,21 @@ class TeamTours {
   /// The best insertion of a site, if it is better than `best_rate`; else one without gain.
   Insertion best_at(const Candidate& c, double best_rate, double shortest, double& most) const {
     Insertion best;
-    GainByHeading gain;
+    WorthByView gain;
     most = std::min(most, static_cast<double>(views_->look(c.site, best_rate * c.cheapest, gain)));
     if (most <= best_rate * c.cheapest) return best;
     for (std::size_t t = 0; t < tours_.size(); ++t) {
       const InsertionCost cost = cost_of(tours_[t], c.site, shortest);
       if (std::isinf(cost.metres)) continue;
       const std::size_t leg = tours_[t].insertion[c.site].leg;
-      for (std::size_t k = 0; k < kHeadings; ++k) {
-        const int heading = static_cast<int>(k);
+      for (std::size_t k = 0; k < gain.size(); ++k) {
+        const int view = static_cast<int>(k);
         if (gain[k] <= best_rate * cost.least) continue;
-        const double metres =
-            std::max(cost.metres + turn_at(tours_[t], leg, heading_angle(heading)), cost.least);
+        const double metres = std::max(
+            cost.metres + turn_at(tours_[t], leg, heading_angle(view % kHeadings)), cost.least);
         if (gain[k] <= best_rate * metres) continue;
         best_rate = gain[k] / metres;
-        best = {{c.site, heading, best_rate, gain[k]}, t, leg};
+        best = {{c.site, view, best_rate, gain[k]}, t, leg};
       }
     }
     return best;

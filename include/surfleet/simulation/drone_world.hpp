@@ -42,7 +42,7 @@ class DroneWorld {
     std::vector<Sphere> mates;
     for (std::size_t k = 0; k < fleet.size(); ++k)
       if (k != robot) mates.push_back({fleet[k].position, options_.body_radius});
-    const Pose T_world_camera = fleet[robot].pose() * T_body_camera_;
+    const Pose T_world_camera = camera_pose(fleet[robot], T_body_camera_);
     const Random random = Random(options_.seed).fork(robot).fork(shot);
     return options_.noise ? noisy_.capture(*caster_, T_world_camera, mates, random)
                           : exact_.capture(*caster_, T_world_camera, mates, random);

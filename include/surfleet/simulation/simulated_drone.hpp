@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include <surfleet/core/error.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
@@ -16,8 +17,9 @@
 #include <surfleet/simulation/world_model.hpp>
 
 namespace surfleet {
-/// Models `RobotBody`: it knows the truth, and says it. World and the fleet's true configurations,
-/// in which it keeps its own up to date, and the sense of neighbours must outlive it.
+/// Models `GimballedBody`: it knows the truth, and says it. World and the fleet's true
+/// configurations, in which it keeps its own up to date, and the sense of neighbours must outlive
+/// it.
 template <WorldModel World>
 class SimulatedDrone {
  public:
@@ -27,7 +29,13 @@ class SimulatedDrone {
         robot_(robot),
         fleet_(&fleet),
         motion_(fleet[robot], limits),
-        sense_neighbours_(&neighbours) {}
+        sense_neighbours_(&neighbours) {
+    require(limits.pitch_rate > 0.0 && limits.pitch_acceleration > 0.0,
+            "pitch limits: expected a positive rate and acceleration");
+    gimbal_.rate_limit = limits.pitch_rate;
+    gimbal_.acceleration_limit = limits.pitch_acceleration;
+    gimbal_.yaw = goal_pitch_ = fleet[robot].pitch;
+  }
 
   DepthImage sense() {
     neighbours_ = *sense_neighbours_ ? (*sense_neighbours_)(robot_, shot_, *fleet_) : mates();
@@ -44,6 +52,7 @@ class SimulatedDrone {
     motion_.follow(path, yaw, std::move(look));
   }
   void watch(double yaw) { watch_yaw_ = yaw; }
+  void tilt(double pitch) { goal_pitch_ = pitch; }
   std::vector<Point3> way_onto(std::span<const Point3> path) const {
     return motion_.way_onto(path);
   }
@@ -55,7 +64,12 @@ class SimulatedDrone {
   bool standing() const { return motion_.standing(); }
   bool braking() const { return motion_.braking(); }
   bool finished() const { return motion_.finished(); }
-  void advance(double dt) { (*fleet_)[robot_] = motion_.advance(dt); }
+  void advance(double dt) {
+    gimbal_.advance(goal_pitch_, dt);
+    Configuration& at = (*fleet_)[robot_];
+    at = motion_.advance(dt);
+    at.pitch = gimbal_.yaw;
+  }
 
   SimulatedDrone(const SimulatedDrone&) = delete;  // the law of its heading refers to it
   SimulatedDrone& operator=(const SimulatedDrone&) = delete;
@@ -72,9 +86,10 @@ class SimulatedDrone {
   std::size_t robot_;
   std::vector<Configuration>* fleet_;
   AerialMotion motion_;
+  HeadingControl gimbal_;  // its yaw is the pitch
   const NeighbourSense* sense_neighbours_;
   std::vector<SeenRobot> neighbours_;
-  double watch_yaw_ = 0.0;
+  double watch_yaw_ = 0.0, goal_pitch_ = 0.0;
   std::uint64_t shot_ = 0;
 };
 }  // namespace surfleet

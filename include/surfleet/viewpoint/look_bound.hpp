@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -15,8 +14,8 @@
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
-/// From a node of a flight lattice and a heading no more is in view than the worth of all targets
-/// in the box around that view. The boxes are aligned with the lattice, so a table of sums gives
+/// From a node of a flight lattice no more is in a view than the worth of all targets
+/// in the box around it. The boxes are aligned with the lattice, so a table of sums gives
 /// each in O(1): one look in some hundred is worth the rays that tell what is really seen.
 class LookBound {
  public:
@@ -24,9 +23,9 @@ class LookBound {
   template <typename Free>
   LookBound(std::span<const SightTarget> targets, const FlightLattice<Free>& lattice,
             const HeadingTable& headings, double reach)
-      : cell_(lattice.spacing()) {
+      : cell_(lattice.spacing()), boxes_(static_cast<std::size_t>(headings.views())) {
     any_ = {VoxelIndex::Zero(), VoxelIndex::Zero()};
-    for (int k = 0; k < kHeadings; ++k) {
+    for (int k = 0; k < headings.views(); ++k) {
       // A target at distance d in [nearest, reach] is d times its direction away.
       const Box3& directions = headings.directions(k);
       Cells& box = boxes_[static_cast<std::size_t>(k)];
@@ -66,14 +65,14 @@ class LookBound {
     slack_ = kRounding * sums_.back();
   }
 
-  /// For every heading at once. O(headings).
-  std::array<double, kHeadings> operator()(const VoxelIndex& node) const {
-    std::array<double, kHeadings> most;
-    for (std::size_t k = 0; k < kHeadings; ++k) most[k] = sum(node, boxes_[k]);
+  /// For every view at once. O(views).
+  WorthByView operator()(const VoxelIndex& node) const {
+    WorthByView most(static_cast<int>(boxes_.size()));
+    for (std::size_t k = 0; k < boxes_.size(); ++k) most[k] = sum(node, boxes_[k]);
     return most;
   }
-  /// Whatever the heading is; looser. O(1).
-  double at_any_heading(const VoxelIndex& node) const { return sum(node, any_); }
+  /// Whatever the view is; looser. O(1).
+  double in_any_view(const VoxelIndex& node) const { return sum(node, any_); }
 
  private:
   /// In cells from a node's.
@@ -102,7 +101,7 @@ class LookBound {
   }
 
   double cell_;
-  std::array<Cells, kHeadings> boxes_;
+  std::vector<Cells> boxes_;  // by view
   Cells any_;
   VoxelIndex shift_, size_;
   std::vector<double> sums_;  // of all cells below, x fastest

@@ -11,9 +11,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include <surfleet/core/error.hpp>
+#include <surfleet/core/types.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
 #include <surfleet/mapping/voxel_grid.hpp>
@@ -38,50 +41,84 @@ inline int nearest_heading(double yaw) {
   return k < 0 ? k + kHeadings : k;
 }
 
-/// A target in view and the headings (as bits) from which it is.
-struct Sighting {
-  std::int32_t target = 0;
-  std::uint16_t headings = 0;
+/// A place has a view for each heading and each pitch of a gimbal: those of the first pitch by
+/// heading, then those of the next.
+constexpr int kMostPitches = 4;
+constexpr int kMostViews = kHeadings * kMostPitches;
+using ViewBits = std::uint64_t;  ///< Views of a place, a bit each.
+inline bool has_view(ViewBits views, int view) { return (views >> view & 1U) != 0; }
+
+/// What each view of a place is worth; at first nothing.
+class WorthByView {
+ public:
+  explicit WorthByView(int views = kHeadings) : views_(static_cast<std::size_t>(views)) {
+    fill(0.0);
+  }
+  std::size_t size() const { return views_; }
+  double& operator[](std::size_t view) { return worth_[view]; }
+  double operator[](std::size_t view) const { return worth_[view]; }
+  const double* begin() const { return worth_.data(); }
+  const double* end() const { return worth_.data() + views_; }
+  double most() const { return *std::max_element(begin(), end()); }
+  void fill(double worth) { std::fill_n(worth_.begin(), views_, worth); }
+
+ private:
+  std::array<double, kMostViews> worth_;
+  std::size_t views_;
 };
 
-/// The headings at which a mounted camera has a direction in its image, looked up in an octahedral
-/// map of directions with cells of about a degree. The camera is taken to sit where the body is:
-/// how far from its middle it is mounted is neglected.
+/// A target in view, and the views that have it.
+struct Sighting {
+  std::int32_t target = 0;
+  ViewBits views = 0;
+};
+
+/// The views in which a mounted camera has a direction in its image, looked up in octahedral maps
+/// of directions with cells of about a degree. The camera is taken to sit where the body is: how
+/// far from its middle it is mounted is neglected.
 ///
 /// A camera's range is a depth, so it sees farther towards the corners of its image than ahead. The
-/// table has a map for each of some shells of distance: the s-th has the headings at which all that
-/// is no farther than `shell_end(s)` times a depth is no deeper than that. 192 KiB.
+/// table has a map for each of some shells of distance: the s-th has the views in which all that is
+/// no farther than `shell_end(s)` times a depth is no deeper than that. 192 KiB a pitch.
 class HeadingTable {
   static constexpr int kSide = 128;
 
  public:
   static constexpr int kShells = 6;
 
-  HeadingTable(const PinholeCamera& camera, const Pose& T_body_camera) {
-    std::array<Eigen::Matrix3d, kHeadings> R_camera_world;
-    for (int k = 0; k < kHeadings; ++k)
-      R_camera_world[static_cast<std::size_t>(k)] =
-          (Eigen::AngleAxisd(heading_angle(k), Eigen::Vector3d::UnitZ()).toRotationMatrix() *
-           T_body_camera.linear())
-              .transpose();
+  /// By the pitches of `Configuration` that a gimbal can take [rad]; throws `Error` unless there
+  /// are 1 to 4, of a quarter turn at the most.
+  HeadingTable(const PinholeCamera& camera, const Pose& T_body_camera,
+               std::vector<double> pitches = {0.0})
+      : pitches_(std::move(pitches)) {
+    require(!pitches_.empty() && pitches_.size() <= static_cast<std::size_t>(kMostPitches),
+            "pitches of a gimbal: expected 1 to " + std::to_string(kMostPitches));
+    for (const double p : pitches_)
+      require(std::abs(p) <= 0.5 * kPi, "pitches of a gimbal: expected a quarter turn at the most");
+    std::vector<Eigen::Matrix3d> R_camera_world;
+    for (int v = 0; v < views(); ++v)
+      R_camera_world.push_back(
+          camera_pose(at(Point3::Zero(), v), T_body_camera).linear().transpose());
     stretch_ = Eigen::Vector3d(std::max(camera.cx, camera.width - 1 - camera.cx) / camera.fx,
                                std::max(camera.cy, camera.height - 1 - camera.cy) / camera.fy, 1.0)
                    .norm();
     nearest_ = camera.min_range * stretch_;
     range_ = camera.max_range;
-    headings_.assign(kNowhere + 1, 0);
+    headings_.assign(pitches_.size() * kMap, 0);
+    directions_.resize(R_camera_world.size());
     for (int v = 0; v < kSide; ++v)
       for (int u = 0; u < kSide; ++u) {
         const Eigen::Vector3d d =
             unfold((u + 0.5) * 2.0 / kSide - 1.0, (v + 0.5) * 2.0 / kSide - 1.0);
         const double length = d.norm();
-        for (unsigned k = 0; k < kHeadings; ++k) {
+        for (std::size_t k = 0; k < R_camera_world.size(); ++k) {
           const Eigen::Vector3d in_camera = R_camera_world[k] * d;
           if (!camera.project(in_camera)) continue;
+          const std::size_t map = k / kHeadings * kMap, bit = k % kHeadings;
           for (int s = 0; s < kShells; ++s)
             if (s == 0 || shell_end(s) * in_camera.z() <= length)
-              headings_[static_cast<std::size_t>(s * kCells + v * kSide + u)] |=
-                  static_cast<std::uint16_t>(1U << k);
+              headings_[map + static_cast<std::size_t>(s * kCells + v * kSide + u)] |=
+                  static_cast<std::uint16_t>(1U << bit);
           for (const int du : {0, 1})
             for (const int dv : {0, 1})
               directions_[k].extend(
@@ -90,16 +127,31 @@ class HeadingTable {
       }
   }
 
+  int views() const { return kHeadings * static_cast<int>(pitches_.size()); }
+  Configuration at(const Point3& place, int view) const {
+    return {place, heading_angle(view % kHeadings),
+            pitches_[static_cast<std::size_t>(view / kHeadings)]};
+  }
+  int nearest_view(const Configuration& q) const {
+    const auto off = [&](double pitch) { return std::abs(pitch - q.pitch); };
+    const auto pitch = std::min_element(pitches_.begin(), pitches_.end(),
+                                        [&](double a, double b) { return off(a) < off(b); });
+    return nearest_heading(q.yaw) + kHeadings * static_cast<int>(pitch - pitches_.begin());
+  }
+
   /// Where a shell ends, over the depth.
   double shell_end(int shell) const {
     return 1.0 + (stretch_ - 1.0) * shell / static_cast<double>(kShells - 1);
   }
-  /// The headings, as bits, for a direction in the world of any length; that of zero is up.
-  std::uint16_t operator()(const Eigen::Vector3d& d) const {
-    return (*this)[cell(d.x(), d.y(), d.z())];
+  /// The views of a direction in the world of any length; that of zero is up.
+  ViewBits operator()(const Eigen::Vector3d& d) const { return (*this)[cell(d.x(), d.y(), d.z())]; }
+  /// The views of a cell of the first shell; `kCells` on is that of the next.
+  ViewBits operator[](int cell) const {
+    ViewBits bits = 0;
+    for (std::size_t p = 0; p < pitches_.size(); ++p)
+      bits |= ViewBits{headings_[p * kMap + static_cast<std::size_t>(cell)]} << (kHeadings * p);
+    return bits;
   }
-  /// The headings of a cell of the first shell; `kCells` on is that of the next.
-  std::uint16_t operator[](int cell) const { return headings_[static_cast<std::size_t>(cell)]; }
   /// The cell of a direction. Without branches, so that a loop over it becomes one over vectors.
   static int cell(double x, double y, double z) {
     const double scale = 1.0 / (std::abs(x) + std::abs(y) + std::abs(z) + 1e-30);
@@ -112,11 +164,9 @@ class HeadingTable {
     return j * kSide + i;
   }
   static constexpr int kCells = kSide * kSide;       ///< Of a shell.
-  static constexpr int kNowhere = kShells * kCells;  ///< A cell without headings.
-  /// The box around the unit directions at a heading, cells by their corners.
-  const Box3& directions(int heading) const {
-    return directions_[static_cast<std::size_t>(heading)];
-  }
+  static constexpr int kNowhere = kShells * kCells;  ///< A cell without views.
+  /// The box around the unit directions in a view, cells by their corners.
+  const Box3& directions(int view) const { return directions_[static_cast<std::size_t>(view)]; }
   /// How far the corners of the image see, over the depth.
   double stretch() const { return stretch_; }
   /// From this distance on, the nearest depth is kept all over the image [m].
@@ -134,8 +184,11 @@ class HeadingTable {
     return d;
   }
 
-  std::vector<std::uint16_t> headings_;  // by shell and cell
-  std::array<Box3, kHeadings> directions_;
+  static constexpr std::size_t kMap = kNowhere + 1;
+
+  std::vector<double> pitches_;
+  std::vector<std::uint16_t> headings_;  // by pitch, shell and cell
+  std::vector<Box3> directions_;         // by view
   double nearest_ = 0.0, range_ = 0.0, stretch_ = 1.0;
 };
 
@@ -283,7 +336,7 @@ class SightTargets {
           const std::array<int, kLanes> cells = cells_from(p, k);
           // Whether one is in view is as good as random, so it is written in any case.
           for (std::size_t i = 0; i < std::min(kLanes, last - k); ++i) {
-            const std::uint16_t bits = (*headings_)[cells[i]];
+            const ViewBits bits = (*headings_)[cells[i]];
             buffer[count] = {ids_[k + i], bits};
             count += bits != 0 ? 1 : 0;
           }
@@ -291,6 +344,7 @@ class SightTargets {
       }
     return std::span<const Sighting>(buffer).first(count);
   }
+  const HeadingTable& headings() const { return *headings_; }
   /// What tells whether a target shows from a place.
   Sight sight() const { return sight_; }
   /// The targets in view from `p` and in sight, those of a row beside each other. A line of sight
@@ -318,7 +372,7 @@ class SightTargets {
     return row;
   }
   /// The cells of the directions from `p` to the targets from the k-th on; of those too far, too
-  /// near or turned away a cell without headings.
+  /// near or turned away a cell without views.
   std::array<int, kLanes> cells_from(const Point3& p, std::size_t k) const {
     const double farthest = reach_ * reach_, nearest = headings_->nearest() * headings_->nearest();
     std::array<int, kLanes> cells;
@@ -360,27 +414,26 @@ class SightTargets {
   std::vector<double> least_cosine_;  // between normal and line of sight, squared with its sign
 };
 
-/// Marks in `done` the targets in view at a heading; `fn(id)` is told of those not marked before.
+/// Marks in `done` the targets in a view; `fn(id)` is told of those not marked before.
 template <typename Fn>
-void mark_in_view(std::span<const Sighting> seen, int heading, std::vector<char>& done, Fn&& fn) {
+void mark_in_view(std::span<const Sighting> seen, int view, std::vector<char>& done, Fn&& fn) {
   for (const Sighting& s : seen) {
     const auto id = static_cast<std::size_t>(s.target);
-    if ((s.headings >> heading & 1U) == 0U || done[id] != 0) continue;
+    if (!has_view(s.views, view) || done[id] != 0) continue;
     done[id] = 1;
     fn(id);
   }
 }
 
-/// For every heading, the worth in view; targets marked in `done` count nothing.
+/// What every view shows; targets marked in `done` count nothing.
 template <typename Sight>
-std::array<double, kHeadings> worth_by_heading(const SightTargets<Sight>& targets,
-                                               std::span<const Sighting> seen,
-                                               std::span<const char> done) {
-  std::array<double, kHeadings> worth{};
+WorthByView worth_by_view(const SightTargets<Sight>& targets, std::span<const Sighting> seen,
+                          std::span<const char> done) {
+  WorthByView worth(targets.headings().views());
   for (const Sighting& s : seen) {
     const auto id = static_cast<std::size_t>(s.target);
     if (done[id] != 0) continue;
-    for (unsigned bits = s.headings; bits != 0; bits &= bits - 1)
+    for (ViewBits bits = s.views; bits != 0; bits &= bits - 1)
       worth[static_cast<std::size_t>(std::countr_zero(bits))] += targets[id].worth;
   }
   return worth;

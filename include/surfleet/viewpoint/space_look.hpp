@@ -111,13 +111,13 @@ class SpaceLooks {
         const std::size_t id = lattice_->index(site.cell);
         const auto [it, fresh] = seen_.try_emplace(id);
         if (fresh) it->second = targets_.seen_from(site.position);
-        auto worth = worth_by_heading(targets_, it->second, done_);
+        auto worth = worth_by_view(targets_, it->second, done_);
         if (limits.made && (limits.made->position - site.position).norm() < kSamePlace)
-          worth[static_cast<std::size_t>(nearest_heading(limits.made->yaw))] = 0.0;
-        for (std::size_t k = 0; k < kHeadings; ++k)
+          worth[static_cast<std::size_t>(targets_.headings().nearest_view(*limits.made))] = 0.0;
+        for (std::size_t k = 0; k < worth.size(); ++k)
           if (worth[k] >= limits.least && worth[k] > best_rate * metres) {
             best_rate = worth[k] / metres;
-            best = Look{{site.position, heading_angle(static_cast<int>(k))}, id};
+            best = Look{targets_.headings().at(site.position, static_cast<int>(k)), id};
           }
         return true;
       });
@@ -126,7 +126,7 @@ class SpaceLooks {
     /// The look will be made: what it shows is wanted no more, and is one look nearer to be given
     /// up.
     void take(const Look& look) {
-      mark_in_view(seen_.at(look.site), nearest_heading(look.configuration.yaw), done_,
+      mark_in_view(seen_.at(look.site), targets_.headings().nearest_view(look.configuration), done_,
                    [&](std::size_t id) { ++looks_->looks_[wanted_[id].cell]; });
     }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What a camera on a robot with four degrees of freedom has in its field of view.
+/// @brief What a camera on a robot with four degrees of freedom, and a gimbal's pitch, has in its
+/// field of view.
 #pragma once
 
 #include <array>
@@ -61,13 +62,23 @@ class ViewFrustum {
   class Placed {
    public:
     Placed(const ViewFrustum& frustum, const Configuration& q)
-        : frustum_(&frustum), position_(q.position), cos_(std::cos(q.yaw)), sin_(std::sin(q.yaw)) {}
+        : frustum_(&frustum),
+          position_(q.position),
+          cos_(std::cos(q.yaw)),
+          sin_(std::sin(q.yaw)),
+          tilted_(q.pitch != 0.0),
+          cos_pitch_(tilted_ ? std::cos(q.pitch) : 1.0),
+          sin_pitch_(tilted_ ? std::sin(q.pitch) : 0.0) {}
 
+    /// Between the world and the frame in which the frustum stands: the body's, carried along with
+    /// the camera where a gimbal tilts that.
     Point3 to_body(const Point3& p_world) const {
       const Eigen::Vector3d d = p_world - position_;
-      return {cos_ * d.x() + sin_ * d.y(), cos_ * d.y() - sin_ * d.x(), d.z()};
+      const Point3 p(cos_ * d.x() + sin_ * d.y(), cos_ * d.y() - sin_ * d.x(), d.z());
+      return tilted_ ? tilted(p, -sin_pitch_) : p;
     }
-    Point3 to_world(const Point3& p) const {
+    Point3 to_world(const Point3& p_body) const {
+      const Point3 p = tilted_ ? tilted(p_body, sin_pitch_) : p_body;
       return position_ + Point3(cos_ * p.x() - sin_ * p.y(), sin_ * p.x() + cos_ * p.y(), p.z());
     }
     bool contains(const Point3& p_world) const { return frustum_->contains(to_body(p_world)); }
@@ -83,7 +94,10 @@ class ViewFrustum {
     /// The camera's centre in the world.
     Point3 eye() const { return to_world(frustum_->T_body_camera_.translation()); }
     /// The optical axis in the world, unit.
-    Eigen::Vector3d axis() const { return to_world(frustum_->axis()) - position_; }
+    Eigen::Vector3d axis() const {
+      if (!tilted_) return to_world(frustum_->axis()) - position_;
+      return to_world(frustum_->T_body_camera_.translation() + frustum_->axis()) - eye();
+    }
     /// Axis-aligned bounds in the world.
     Box3 bounds() const {
       Box3 box;
@@ -92,9 +106,18 @@ class ViewFrustum {
     }
 
    private:
+    /// Turned about the camera's centre and the body's y axis.
+    Point3 tilted(const Point3& p, double sin) const {
+      const Point3& c = frustum_->T_body_camera_.translation();
+      const Eigen::Vector3d d = p - c;
+      return c + Point3(cos_pitch_ * d.x() + sin * d.z(), d.y(), cos_pitch_ * d.z() - sin * d.x());
+    }
+
     const ViewFrustum* frustum_;
     Point3 position_;
     double cos_, sin_;
+    bool tilted_;
+    double cos_pitch_, sin_pitch_;
   };
   /// Refers to this frustum, which must outlive it.
   Placed at(const Configuration& q) const { return Placed(*this, q); }

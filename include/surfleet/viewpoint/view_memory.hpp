@@ -141,7 +141,8 @@ class SightMemory {
     all.reserve(views.size());
     for (const Viewpoint& view : views) {
       const Configuration& q = view.configuration;
-      const std::array<double, 4> key{q.position.x(), q.position.y(), q.position.z(), q.yaw};
+      const std::array<double, 5> key{q.position.x(), q.position.y(), q.position.z(), q.yaw,
+                                      q.pitch};
       std::vector<std::int32_t> ids;
       if (const std::vector<VoxelKey>* known = memory_.find(key)) {
         for (const VoxelKey& v : *known)
@@ -162,6 +163,6 @@ class SightMemory {
   }
 
  private:
-  RegionalMemory<std::array<double, 4>, std::vector<VoxelKey>> memory_;
+  RegionalMemory<std::array<double, 5>, std::vector<VoxelKey>> memory_;
 };
 }  // namespace surfleet

@@ -13,10 +13,10 @@
 #include <surfleet/viewpoint/visibility.hpp>
 
 namespace surfleet {
-/// The heading [rad] with the most incomplete surface in view from `here`; nothing if none is.
-/// O(goals + those in range · rays). Not for use while goals are stale.
-inline std::optional<double> watchful_heading(const SurfaceBelief& belief, const KindSpace& space,
-                                              const Point3& here) {
+/// The view of the most incomplete surface from `here`; nothing if there is none. O(goals + those
+/// in range · rays). Not for use while goals are stale.
+inline std::optional<Configuration> watchful_view(const SurfaceBelief& belief,
+                                                  const KindSpace& space, const Point3& here) {
   std::vector<SightTarget> near;
   const double reach = 0.85 * space.kind.camera.max_range;
   for (const IncompleteElement& e : belief.goals())
@@ -26,9 +26,9 @@ inline std::optional<double> watchful_heading(const SurfaceBelief& belief, const
   const SightTargets targets(std::move(near), MapSight(belief.observed()), space.headings,
                              {.max_range = reach});
   const std::vector<char> none(targets.size(), 0);
-  const auto worth = worth_by_heading(targets, targets.seen_from(here), none);
+  const auto worth = worth_by_view(targets, targets.seen_from(here), none);
   const auto best = std::max_element(worth.begin(), worth.end());
   if (*best <= 0.0) return std::nullopt;
-  return heading_angle(static_cast<int>(best - worth.begin()));
+  return space.headings.at(here, static_cast<int>(best - worth.begin()));
 }
 }  // namespace surfleet
