@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <surfleet/core/random.hpp>
@@ -168,6 +169,91 @@ TEST(tours_are_the_same_on_any_number_of_threads) {
       }
     }
   }
+}
+
+TEST(what_robots_were_told_they_are_told_again_where_nothing_has_changed) {
+  int differ = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    // Turns cost nothing, as they are not what is kept.
+    const TeamTourOptions options{.turn_cost = 0.0};
+    const auto first = scattered(seed, 3, 5).tours(options);
+    const auto again = [&](double extra) {
+      Scattered all = scattered(seed, 3, 5);
+      for (std::size_t r = 0; r < 3; ++r) {
+        for (const TeamTourStop& stop : first[r]) all.team[r].told.push_back(stop.site);
+        std::sort(all.team[r].told.begin(), all.team[r].told.end());
+      }
+      // What was told to nobody has become a little better.
+      for (double& thing : all.views.things) thing *= 1.0 + extra;
+      for (const auto& tour : first)
+        for (const TeamTourStop& stop : tour)
+          for (const int i : all.views.shows[stop.site][static_cast<std::size_t>(stop.view)])
+            all.views.things[static_cast<std::size_t>(i)] /= 1.0 + extra;
+      return all.tours(options);
+    };
+    const auto tours = again(0.0);
+    for (std::size_t r = 0; r < 3; ++r) {
+      CHECK(tours[r].size() == first[r].size());
+      for (std::size_t k = 0; k < first[r].size(); ++k) {
+        // Headings may show the same.
+        CHECK(tours[r][k].site == first[r][k].site);
+        CHECK_NEAR(tours[r][k].rate, options.keep * first[r][k].rate, 1e-9);
+      }
+    }
+    const auto changed = again(3.0);
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t k = 0; k < std::min(first[r].size(), changed[r].size()); ++k)
+        differ += changed[r][k].site != first[r][k].site ? 1 : 0;
+  }
+  CHECK(differ > 20);
+}
+
+TEST(exchanged_stops_show_the_same_and_cost_no_more) {
+  double before = 0.0, after = 0.0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto cost = [&](const std::vector<std::vector<TeamTourStop>>& tours, Scattered& all,
+                          std::set<std::pair<std::size_t, int>>& stops) {
+      double sum = 0.0, longest = 0.0;
+      for (std::size_t r = 0; r < tours.size(); ++r) {
+        double length = 0.0, yaw = all.team[r].from.yaw;
+        for (std::size_t k = 0; k < tours[r].size(); ++k) {
+          const TeamTourStop& stop = tours[r][k];
+          length += k == 0 ? all.team[r].distance[stop.site]
+                           : (all.sites[tours[r][k - 1].site] - all.sites[stop.site]).norm();
+          length += 0.1 * std::abs(wrap_angle(heading_angle(stop.view) - yaw)) + 1.0;
+          yaw = heading_angle(stop.view);
+          stops.insert({stop.site, stop.view});
+        }
+        sum += length;
+        longest = std::max(longest, length);
+      }
+      return sum + 0.3 * longest;
+    };
+    const auto spread = [&] {
+      // Every site shows a thing of its own, at one heading.
+      Scattered all = scattered(seed, 3, 20);
+      for (std::size_t site = 0; site < all.sites.size(); ++site) {
+        all.views.shows[site] = {};
+        all.views.shows[site][site % kHeadings] = {static_cast<int>(site)};
+      }
+      return all;
+    };
+    Scattered plain = spread(), exchanged = spread();
+    std::set<std::pair<std::size_t, int>> a, b;
+    before += cost(plain.tours({}), plain, a);
+    const auto tours = exchanged.tours({.exchange = true});
+    after += cost(tours, exchanged, b);
+    CHECK(a == b && tours[0].size() <= 20 && tours[1].size() <= 20 && tours[2].size() <= 20);
+    // What a robot is on its way to stays with it.
+    Scattered with_goal = spread();
+    const auto first = spread().tours({});
+    with_goal.team[1].goal = first[1].front().site;
+    const auto kept = with_goal.tours({.keep = 100.0, .exchange = true});
+    CHECK(std::any_of(kept[1].begin(), kept[1].end(), [&](const TeamTourStop& stop) {
+      return stop.site == first[1].front().site;
+    }));
+  }
+  CHECK(after < 0.99 * before);
 }
 
 TEST(a_tour_takes_the_small_on_the_way_to_the_broad) {
@@ -344,6 +430,17 @@ TEST(robots_open_the_way_to_what_they_cannot_see_yet) {
     team.resize(robots);
     RollingTours planner(options);
     const Plan result = planner(still.situation(team));
+    options.threads = 3;
+    RollingTours beside(options);
+    const Plan same = beside(still.situation(team));
+    for (RobotId r = 0; r < robots; ++r) {
+      CHECK(same.routes.at(r).size() == result.routes.at(r).size());
+      for (std::size_t k = 0; k < std::min(same.routes.at(r).size(), result.routes.at(r).size());
+           ++k)
+        CHECK(same.routes.at(r)[k].configuration.position ==
+                  result.routes.at(r)[k].configuration.position &&
+              same.routes.at(r)[k].configuration.yaw == result.routes.at(r)[k].configuration.yaw);
+    }
     std::size_t sent = 0;
     for (RobotId r = 0; r < robots; ++r)
       for (const Stop& stop : result.routes.at(r)) {

@@ -9,6 +9,7 @@ struct Assignment;
 class CheapestInsertion;
 class CostMatrix;
 struct ExactTour;
+struct ExchangeStops;
 struct ExponentialUtility;
 struct FleetPlan;
 struct HamiltonianPath;

@@ -40,7 +40,10 @@ struct RollingToursOptions {
   /// So far beside their places stops may be for a shorter way, over the range.
   double slack = 0.2;
   double utility_share = 0.2;  ///< A new plan is wanted when so much of a route is complete.
-  int threads = 1;             ///< Plans are the same for any number.
+  bool exchange = false;       ///< See `TeamTourOptions`.
+  /// Whether all stops of a robot's last tour cost less to keep than to change, as its goal does.
+  bool keep_tours = false;
+  int threads = 1;  ///< Plans are the same for any number.
 };
 
 /// Tours of the whole team over all there is to see, rolled on with every image.
@@ -133,7 +136,7 @@ class RollingTours {
   void plan_within(bool hopeful, const SurfaceSituation& s, const SightTargets<>& targets,
                    Lattice& lattice, Plan& plan) {
     std::vector<Waiting> waiting;
-    std::vector<const Stops*> under_way;
+    std::vector<std::pair<RobotId, const Stops*>> under_way;
     for (const RobotState& robot : s.team) {
       const auto given = plan.routes.find(robot.id);
       const Stops& route = given == plan.routes.end() ? robot.route : given->second;
@@ -141,12 +144,12 @@ class RollingTours {
         const Point3 start = s.space().free.free_start(robot.at.position);
         waiting.push_back({robot.id, start, s.space().roadmap.reach_from(start)});
       } else if (!route.empty()) {
-        under_way.push_back(&route);
+        under_way.push_back({robot.id, &route});
       }
     }
     if (waiting.empty()) return;
     LatticeViews views(targets, lattice, s.space().headings, vain_, options.unknown_gain);
-    for (const Stops* route : under_way)
+    for (const auto& [id, route] : under_way)
       for (const Stop& stop : *route) views.mark(stop.configuration);
     Sites sites = find_sites(hopeful, lattice, waiting, views);
     std::vector<TourStart> starts;
@@ -155,13 +158,15 @@ class RollingTours {
       if (const auto goal = goals_.find(waiting[w].id); goal != goals_.end())
         if (const auto it = sites.by_node.find(goal->second); it != sites.by_node.end())
           starts.back().goal = it->second;
+      if (options.keep_tours) starts.back().told = told_sites(waiting[w].id, sites);
     }
     // Who is under way goes on from its last stop.
-    for (const Stops* route : under_way) {
+    for (const auto& [id, route] : under_way) {
       starts.push_back({route->back().configuration,
                         {},
                         options.stops - static_cast<int>(route->size()),
                         {},
+                        options.keep_tours ? told_sites(id, sites) : std::vector<std::size_t>{},
                         false});
       for (const Point3& p : sites.positions)
         starts.back().distance.push_back((p - starts.back().from.position).norm());
@@ -173,9 +178,13 @@ class RollingTours {
                                   .turn_cost = options.turn_cost,
                                   .keep = options.keep,
                                   .balance = options.balance,
+                                  .exchange = options.exchange,
                                   .threads = options.threads})();
     for (std::size_t w = 0; w < waiting.size(); ++w) {
       goals_.erase(waiting[w].id);
+      std::vector<std::size_t>& told = told_[waiting[w].id];
+      told.clear();
+      for (const TeamTourStop& stop : tours[w]) told.push_back(views.node(stop.site));
       if (tours[w].empty()) continue;
       plan.outlook[waiting[w].id] = outlook_of(tours[w], starts[w], sites.positions);
       const std::size_t first = tours[w].front().site;
@@ -189,6 +198,15 @@ class RollingTours {
     }
   }
 
+  std::vector<std::size_t> told_sites(RobotId id, const Sites& sites) const {
+    std::vector<std::size_t> told;
+    if (const auto last = told_.find(id); last != told_.end())
+      for (const std::size_t node : last->second)
+        if (const auto it = sites.by_node.find(node); it != sites.by_node.end())
+          told.push_back(it->second);
+    std::sort(told.begin(), told.end());
+    return told;
+  }
   static Outlook outlook_of(std::span<const TeamTourStop> tour, const TourStart& start,
                             std::span<const Point3> sites) {
     BestBeginning best;
@@ -346,9 +364,10 @@ class RollingTours {
   OpeningLooks opening_;
   ViewsInVain vain_;
   std::optional<Lattice> lattice_;
-  std::uint64_t followed_ = 0;                       // revision of its space
-  std::map<RobotId, std::vector<Reached>> reached_;  // by who is asked for
-  std::vector<Moved> moved_;                         // of the stops given out last
-  std::map<RobotId, std::size_t> goals_;             // the node each was sent to
+  std::uint64_t followed_ = 0;                        // revision of its space
+  std::map<RobotId, std::vector<Reached>> reached_;   // by who is asked for
+  std::vector<Moved> moved_;                          // of the stops given out last
+  std::map<RobotId, std::vector<std::size_t>> told_;  // the nodes of its last tour
+  std::map<RobotId, std::size_t> goals_;              // the node each was sent to
 };
 }  // namespace surfleet

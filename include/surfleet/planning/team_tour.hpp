@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <surfleet/allocation/cheapest_insertion.hpp>
+#include <surfleet/allocation/exchange_stops.hpp>
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/lin_kernighan.hpp>
 #include <surfleet/core/parallel.hpp>
@@ -40,10 +41,13 @@ concept ViewsFromSites = requires(V& views, std::size_t s, double enough, WorthB
 struct TeamTourOptions {
   double stop_cost = 1.0;  ///< What a stop costs beside its detour; more than 0 [m].
   double turn_cost = 0.1;  ///< What turning costs; gimbals tilt meanwhile [m/rad].
-  double keep = 1.3;       ///< Gain of the goal a robot is on its way to, over that of another.
+  /// Gain of the goal a robot is on its way to, and of what else it was told, over that of another.
+  double keep = 1.3;
   /// What a metre costs that a robot's tour is longer than the shortest of the team: others are
   /// there sooner.
   double balance = 0.3;
+  /// Whether stops are exchanged between tours when all are inserted, see `ExchangeStops`.
+  bool exchange = false;
   int threads = 1;  ///< The result is the same for any number.
 };
 /// Where a robot's tour begins.
@@ -52,6 +56,7 @@ struct TourStart {
   std::vector<double> distance;       ///< Its way to each site [m]; infinite where there is none.
   int stops = 10;                     ///< At the most.
   std::optional<std::size_t> goal{};  ///< The site it is on its way to.
+  std::vector<std::size_t> told{};    ///< Other sites it was told to go to, ascending.
   /// Whether the order of the tour is asked for, or only what it leaves to the others.
   bool asked = true;
 };
@@ -88,6 +93,7 @@ class TeamTours {
       tours_[best->tour].insert(best->stop, best->leg, options_.stop_cost);
       views_->take(best->stop.site, best->stop.view);
     }
+    if (options_.exchange) exchange();
     std::vector<std::vector<TeamTourStop>> ordered(tours_.size());
     parallel_for(tours_.size(), options_.threads, [&](std::size_t t) {
       ordered[t] = tours_[t].start->asked ? in_order(tours_[t]) : tours_[t].stops;
@@ -170,7 +176,9 @@ class TeamTours {
 
   InsertionCost cost_of(const Tour& tour, std::size_t s, double shortest) const {
     if (tour.full() || std::isinf(tour.start->distance[s])) return {};
-    const double keep = tour.start->goal == s ? 1.0 / options_.keep : 1.0;
+    const bool kept = tour.start->goal == s ||
+                      std::binary_search(tour.start->told.begin(), tour.start->told.end(), s);
+    const double keep = kept ? 1.0 / options_.keep : 1.0;
     InsertionCost cost;
     cost.metres = keep * (std::max(tour.insertion[s].extra, 0.0) + options_.stop_cost +
                           options_.balance * (tour.length - shortest));
@@ -192,7 +200,7 @@ class TeamTours {
     std::array<Insertion, kLooks> found;
     const auto look = [&](std::size_t count) {
       parallel_for(count, options_.threads, [&](std::size_t k) {
-        found[k] = best_at(batch[k], best.stop.rate, shortest, most[batch[k].site]);
+        found[k] = best_at(batch[k], kTie * best.stop.rate, shortest, most[batch[k].site]);
       });
       for (std::size_t k = 0; k < count; ++k) {
         if (found[k].stop.rate > 0.0) tried.push_back(found[k]);
@@ -206,13 +214,14 @@ class TeamTours {
     const double floor = 0.5 * options_.stop_cost / std::max(options_.keep, 1.0);
     std::vector<Candidate> open;
     for (std::size_t s = 0; s < sites_.size(); ++s) {
-      if (most[s] <= best.stop.rate * floor) continue;  // most are
+      if (most[s] <= kTie * best.stop.rate * floor) continue;  // most are
       const auto c = candidate(s, shortest, most[s]);
-      if (c && c->most_rate > best.stop.rate) open.push_back(*c);
+      if (c && c->most_rate > kTie * best.stop.rate) open.push_back(*c);
     }
     std::make_heap(open.begin(), open.end());
     for (;;) {
-      for (count = 0; count < kLooks && !open.empty() && open.front().most_rate > best.stop.rate;) {
+      for (count = 0;
+           count < kLooks && !open.empty() && open.front().most_rate > kTie * best.stop.rate;) {
         std::pop_heap(open.begin(), open.end());
         batch[count++] = open.back();
         open.pop_back();
@@ -257,6 +266,41 @@ class TeamTours {
     }
     return best;
   }
+  /// Stops go over to robots that have a shorter way to them; what a robot is on its way to stays.
+  void exchange() {
+    std::vector<TeamTourStop> all;
+    std::vector<std::vector<int>> tours(tours_.size());
+    std::vector<std::size_t> most;
+    for (std::size_t t = 0; t < tours_.size(); ++t) {
+      most.push_back(static_cast<std::size_t>(std::max(tours_[t].start->stops, 0)));
+      for (const TeamTourStop& stop : tours_[t].stops) {
+        tours[t].push_back(static_cast<int>(all.size()));
+        all.push_back(stop);
+      }
+    }
+    const auto stop_of = [&](int i) -> const TeamTourStop& {
+      return all[static_cast<std::size_t>(i)];
+    };
+    const auto length = [&](std::size_t t, int i, int j) {
+      const TourStart& start = *tours_[t].start;
+      const TeamTourStop& to = stop_of(j);
+      const double way =
+          i < 0 ? start.distance[to.site] : (sites_[stop_of(i).site] - sites_[to.site]).norm();
+      const double yaw = i < 0 ? start.from.yaw : heading_angle(stop_of(i).view % kHeadings);
+      return way + turn(yaw, heading_angle(to.view % kHeadings)) + options_.stop_cost;
+    };
+    const auto permits = [&](std::size_t t, int j) {
+      const std::size_t site = stop_of(j).site;
+      return std::isfinite(tours_[t].start->distance[site]) &&
+             std::none_of(tours_.begin(), tours_.end(),
+                          [&](const Tour& tour) { return tour.start->goal == site; });
+    };
+    ExchangeStops{.balance = options_.balance}(tours, most, length, permits);
+    for (std::size_t t = 0; t < tours_.size(); ++t) {
+      tours_[t].stops.clear();
+      for (const int i : tours[t]) tours_[t].stops.push_back(stop_of(i));
+    }
+  }
   std::vector<TeamTourStop> in_order(const Tour& tour) const {
     const auto length = [&](int i, int j) {
       const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
@@ -271,6 +315,8 @@ class TeamTours {
   }
 
   static constexpr std::size_t kLooks = 8;  ///< Taken at a time.
+  /// Of the best rate, for another to be as good but for rounding; then the first site is taken.
+  static constexpr double kTie = 1.0 - 1e-12;
 
   std::span<const Point3> sites_;
   Views* views_;
