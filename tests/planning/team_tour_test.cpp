@@ -365,7 +365,7 @@ TEST(a_gimbal_looks_at_what_is_above_its_shaft) {
       level.pitch = 0.0;
       CHECK(!frustum.at(level).may_contain(p, 0.3));
     }
-    // Once it is under way nobody else is sent there, and a look from there in vain is noted.
+    // Nobody else is sent to look at the same, nor the robot once more when it is there.
     const std::vector<Teammate> two{{route[0].configuration, false, route},
                                     {{Point3(-0.4, -0.4, 0.5), 0.0}, true, {}}};
     for (const Stop& stop : planner(still.situation(two)).routes.at(1))
