@@ -527,6 +527,7 @@ TEST(a_gimbal_looks_at_what_is_above_its_shaft) {
       StillMission::kind_of(body, PinholeCamera::from_fov(1.2, 1.0, 160, 120, 0.1, 4.0));
   RollingToursOptions options;
   options.interest.frontier_gain = options.interest.prediction_gain = 0.0;
+  options.slack = 0.0;  // stops stay at their places
   const std::vector<Teammate> team{{{Point3(0.1, 0.1, 0.5), 0.0}, true, {}}};
   for (const bool gimbal : {false, true}) {
     kind.pitches = {0.0, 1.0, -1.0};
@@ -546,7 +547,7 @@ TEST(a_gimbal_looks_at_what_is_above_its_shaft) {
       level.pitch = 0.0;
       CHECK(!frustum.at(level).may_contain(p, 0.3));
     }
-    // Once it is under way nobody else is sent there, and a look from there in vain is noted.
+    // Nobody else is sent to look at the same, nor the robot once more when it is there.
     const std::vector<Teammate> two{{route[0].configuration, false, route},
                                     {{Point3(-0.4, -0.4, 0.5), 0.0}, true, {}}};
     for (const Stop& stop : planner(still.situation(two)).routes.at(1))
