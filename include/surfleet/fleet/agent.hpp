@@ -18,6 +18,7 @@
 
 #include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/endurance.hpp>
+#include <surfleet/fleet/looks_in_vain.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
 #include <surfleet/fleet/watchful_view.hpp>
@@ -26,7 +27,6 @@
 #include <surfleet/motion/traffic_policy.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/surface_belief.hpp>
-#include <surfleet/viewpoint/revealing_look.hpp>
 
 namespace surfleet {
 struct AgentOptions {
@@ -218,7 +218,9 @@ class Agent {
       }
     }
     if (phase_ == Phase::flying && options_.watchful) {
-      const Configuration look = where_to_look();
+      const Configuration look = view_under_way(*belief_, space(), body_->estimate().position,
+                                                polyline_length(body_->remaining()),
+                                                route_.front().configuration, replan_.watch_on);
       body_->watch(look.yaw);
       tilt(look.pitch);
     }
@@ -265,28 +267,10 @@ class Agent {
         std::max(1.0, std::ceil(options_.max_dwell / options_.image_period)));
   }
   void leave_stop() {
-    note_looks_in_vain();
+    note_looks_in_vain(*belief_, space(), body_->estimate(), route_.front(), images_,
+                       most_images());
     route_.erase(route_.begin());
     phase_ = Phase::waiting;
-  }
-  /// Whatever was in fair view from this stop for long enough and is still incomplete, and what the
-  /// stop was for in any case, was looked at in vain.
-  void note_looks_in_vain() {
-    const Configuration at = body_->estimate();
-    const ViewFrustum::Placed view = space().frustum.at(at);
-    const Point3 eye = view.eye();
-    LineOfSight line(belief_->observed());
-    const Stop& stop = route_.front();
-    std::vector<std::pair<VoxelIndex, Eigen::Vector3d>> vain;
-    for (const IncompleteElement& e : belief_->goals()) {
-      if (images_ < std::min(belief_->images_needed(at.position, e.voxel), most_images())) continue;
-      const Eigen::Vector3d to_eye = (eye - e.position).normalized();
-      const bool fair = e.faces(to_eye, kFairLook) && reveals(view, e, line);
-      if (fair ||
-          std::find(stop.targets.begin(), stop.targets.end(), e.voxel) != stop.targets.end())
-        vain.emplace_back(e.voxel, to_eye);
-    }
-    for (const auto& [voxel, direction] : vain) belief_->looked_in_vain(voxel, direction);
   }
   void halt() {
     body_->stop();
@@ -416,27 +400,8 @@ class Agent {
         break;
     }
   }
-  /// The view of the most incomplete surface from here; near the goal, the goal's.
-  Configuration where_to_look() const {
-    const Configuration& goal = route_.front().configuration;
-    const Point3 here = body_->estimate().position;
-    const double left = polyline_length(body_->remaining());
-    const AerialLimits& limits = kind().limits;
-    const auto has_to_turn = [&](double yaw, double pitch) {
-      const double time = std::max(yaw / limits.yaw_rate, pitch / limits.pitch_rate);
-      return left < (time + 0.5) * limits.speed;
-    };
-    if (!replan_.watch_on && has_to_turn(kPi, 0.0)) return goal;
-    const auto view = watchful_view(*belief_, space(), here);
-    return !view || has_to_turn(std::abs(wrap_angle(goal.yaw - view->yaw)),
-                                std::abs(goal.pitch - view->pitch))
-               ? goal
-               : *view;
-  }
-
   static constexpr double kHome = 0.05;       ///< So near to its start it is there [m].
   static constexpr double kSamePitch = 1e-3;  ///< [rad]
-  static constexpr double kFairLook = 0.4;    ///< Least cosine between n̄_v and the line of sight.
   static constexpr int kMostVainReturns = 8;
   static constexpr double kIdle = 2.0;  ///< Between requests of a robot without work [s] …
   static constexpr double kLongestIdle = 30.0;  ///< … when nothing was found time after time.

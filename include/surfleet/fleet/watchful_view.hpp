@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -30,5 +31,24 @@ inline std::optional<Configuration> watchful_view(const SurfaceBelief& belief,
   const auto best = std::max_element(worth.begin(), worth.end());
   if (*best <= 0.0) return std::nullopt;
   return space.headings.at(here, static_cast<int>(best - worth.begin()));
+}
+
+/// The same for a robot with `left` metres before its goal; the goal's view where there is none, or
+/// it could not turn to that in time any more. Unless it is to `watch_on`, the goal's as soon as it
+/// might have to turn right round.
+inline Configuration view_under_way(const SurfaceBelief& belief, const KindSpace& space,
+                                    const Point3& here, double left, const Configuration& goal,
+                                    bool watch_on) {
+  const AerialLimits& limits = space.kind.limits;
+  const auto has_to_turn = [&](double yaw, double pitch) {
+    const double time = std::max(yaw / limits.yaw_rate, pitch / limits.pitch_rate);
+    return left < (time + 0.5) * limits.speed;
+  };
+  if (!watch_on && has_to_turn(kPi, 0.0)) return goal;
+  const auto view = watchful_view(belief, space, here);
+  return !view || has_to_turn(std::abs(wrap_angle(goal.yaw - view->yaw)),
+                              std::abs(goal.pitch - view->pitch))
+             ? goal
+             : *view;
 }
 }  // namespace surfleet
