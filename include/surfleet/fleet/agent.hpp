@@ -22,6 +22,7 @@
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
 #include <surfleet/fleet/watchful_view.hpp>
+#include <surfleet/fleet/way_around.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
@@ -296,8 +297,7 @@ class Agent {
         route_.erase(route_.begin());
         continue;
       }
-      if (const auto path =
-              space().roadmap.query(body_->estimate().position, stop.configuration.position)) {
+      if (const auto path = way_to(stop.configuration.position)) {
         if (affords(*path, time)) return set_off(*path);
         too_far = true;
       } else {
@@ -310,6 +310,18 @@ class Agent {
       retire(StopReason::endurance);
     else
       rest(time);
+  }
+  /// Mates that have something to do have idle ones give way; among those that go home nobody
+  /// would.
+  std::optional<Path> way_to(const Point3& goal) const {
+    const Point3 here = body_->estimate().position;
+    if (!retired_) return space().roadmap.query(here, goal);
+    std::vector<Point3> standing;
+    for (const auto& [id, mate] : heard_)
+      if (polyline_length(mate.path) < kStanding) standing.push_back(mate.position);
+    const TrafficOptions& gaps = traffic_.options;
+    return way_around(space(), here, goal, standing,
+                      2.0 * kind().body_radius + gaps.clearance + 2.0 * gaps.least_gap);
   }
   bool is_home() const { return (body_->estimate().position - home_.position).norm() < kHome; }
   double way_home(const Point3& from) const {
@@ -401,6 +413,7 @@ class Agent {
     }
   }
   static constexpr double kHome = 0.05;       ///< So near to its start it is there [m].
+  static constexpr double kStanding = 0.1;    ///< Path of a mate that as good as stands [m].
   static constexpr double kSamePitch = 1e-3;  ///< [rad]
   static constexpr int kMostVainReturns = 8;
   static constexpr double kIdle = 2.0;  ///< Between requests of a robot without work [s] …
