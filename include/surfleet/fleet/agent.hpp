@@ -311,17 +311,14 @@ class Agent {
     else
       rest(time);
   }
-  /// Mates that have something to do have idle ones give way; among those that go home nobody
-  /// would.
+  /// Idle mates give way to who has work; among those that go home nobody would.
   std::optional<Path> way_to(const Point3& goal) const {
-    const Point3 here = body_->estimate().position;
-    if (!retired_) return space().roadmap.query(here, goal);
     std::vector<Point3> standing;
     for (const auto& [id, mate] : heard_)
-      if (polyline_length(mate.path) < kStanding) standing.push_back(mate.position);
-    const TrafficOptions& gaps = traffic_.options;
-    return way_around(space(), here, goal, standing,
-                      2.0 * kind().body_radius + gaps.clearance + 2.0 * gaps.least_gap);
+      if (retired_ && polyline_length(mate.path) < kStanding) standing.push_back(mate.position);
+    const double gap = traffic_.options.clearance + 2.0 * traffic_.options.least_gap;
+    return way_around(space(), body_->estimate().position, goal, standing,
+                      2.0 * kind().body_radius + gap);
   }
   bool is_home() const { return (body_->estimate().position - home_.position).norm() < kHome; }
   double way_home(const Point3& from) const {
