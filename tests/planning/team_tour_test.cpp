@@ -550,12 +550,14 @@ TEST(a_gimbal_looks_at_what_is_above_its_shaft) {
     // Nobody else is sent to look at the same, nor the robot once more when it is there.
     const std::vector<Teammate> two{{route[0].configuration, false, route},
                                     {{Point3(-0.4, -0.4, 0.5), 0.0}, true, {}}};
-    for (const Stop& stop : planner(still.situation(two)).routes.at(1))
+    const Stops second = planner(still.situation(two)).routes.at(1);
+    for (const Stop& stop : second)
       for (const VoxelIndex& v : stop.targets)
         CHECK(std::find(route[0].targets.begin(), route[0].targets.end(), v) ==
               route[0].targets.end());
     const std::vector<Teammate> there{{route[0].configuration, true, {}}};
-    for (const Stop& stop : planner(still.situation(there)).routes.at(0))
+    const Stops again = planner(still.situation(there)).routes.at(0);
+    for (const Stop& stop : again)
       CHECK(stop.configuration.position != route[0].configuration.position ||
             stop.configuration.yaw != route[0].configuration.yaw ||
             stop.configuration.pitch != route[0].configuration.pitch);

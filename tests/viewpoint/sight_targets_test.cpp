@@ -82,8 +82,8 @@ void check_by_brute_force(bool by_depth, double range, const std::vector<double>
       }
     }
   }
-  CHECK(seen_count > 2000 * static_cast<int>(pitches.size()) &&
-        (tilted > 2000) == (pitches.size() > 1));
+  CHECK(seen_count > 500 * static_cast<int>(pitches.size()) &&
+        (tilted > 500) == (pitches.size() > 1));
   // By depth the last of a shell is left out, besides.
   CHECK(borderline < seen_count / (by_depth ? 6 : 12));
   CHECK(too_deep == 0 && (farther > 0) == by_depth);
