@@ -1,24 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Missions of distributed fleets and runs of fleets of processes, as tables of RESULTS.md."""
-import math
+from figures import mean, number, ratio
 
 # Of distributed missions, in the order they are shown.
 ROWS = ("centralized", "perfect", "wifi", "poor", "sight", "parted", "killed", "restarted",
         "images10", "images20", "images40")
-
-
-def mean(numbers):
-    return sum(numbers) / len(numbers) if numbers else None
-
-
-def text(value, digits=0, scale=1.0):
-    return "–" if value is None else f"{scale * value:.{digits}f}"
-
-
-def ratio(pairs, of):
-    """The mean of what `of` says of the second over what it says of the first."""
-    logs = [math.log(of(b) / of(a)) for a, b in pairs if of(a) and of(b)]
-    return None if not logs else math.exp(mean(logs))
 
 
 def difference(pairs, key):
@@ -55,22 +41,22 @@ def missions(files):
             equal = [m["maps_equal"] for m in all_of if m.get("maps_equal") is not None]
             same = row == "centralized"
             yield (f"{scene}×{robots}", row, str(len(seeds)),
-                   text(mean([m["completion_time_s"] for m in all_of])) + " s" if same else
-                   text(ratio(pairs, lambda m: m["completion_time_s"]), 2),
-                   text(mean([m["total_path_length_m"] for m in all_of])) + " m" if same else
-                   text(ratio(pairs, lambda m: m["total_path_length_m"]), 2),
-                   text(mean([m["surface_coverage"] for m in all_of]), 1, 100) + " %" if same else
-                   text(difference(pairs, "surface_coverage"), 1, 100),
-                   text(mean([m["rmse_m"] for m in all_of]), 2, 100) + " cm" if same else
-                   text(ratio(pairs, lambda m: m["rmse_m"]), 2),
-                   text(mean([sent(m) / robots for m in all_of]), 1, 1e-6),
-                   "–" if same else text(ratio(pairs, sent), 3),
-                   "–" if not stops else text(mean(stops), 1),
+                   number(mean([m["completion_time_s"] for m in all_of])) + " s" if same else
+                   number(ratio(pairs, lambda m: m["completion_time_s"]), 2),
+                   number(mean([m["total_path_length_m"] for m in all_of])) + " m" if same else
+                   number(ratio(pairs, lambda m: m["total_path_length_m"]), 2),
+                   number(mean([m["surface_coverage"] for m in all_of]), 1, 100) + " %" if same else
+                   number(difference(pairs, "surface_coverage"), 1, 100),
+                   number(mean([m["rmse_m"] for m in all_of]), 2, 100) + " cm" if same else
+                   number(ratio(pairs, lambda m: m["rmse_m"]), 2),
+                   number(mean([sent(m) / robots for m in all_of]), 1, 1e-6),
+                   "–" if same else number(ratio(pairs, sent), 3),
+                   "–" if not stops else number(mean(stops), 1),
                    "–" if not equal else f"{sum(equal)}/{len(equal)}",
-                   text(catching_up(all_of), 1),
-                   text(sum(m["collisions"] for m in all_of)),
-                   text(mean([m["wall_time_s"] for m in all_of])) + " s" if same else
-                   text(ratio(pairs, lambda m: m["wall_time_s"]), 1))
+                   number(catching_up(all_of), 1),
+                   number(sum(m["collisions"] for m in all_of)),
+                   number(mean([m["wall_time_s"] for m in all_of])) + " s" if same else
+                   number(ratio(pairs, lambda m: m["wall_time_s"]), 1))
 
 
 MISSION_COLUMNS = ("scene×drones", "network", "n", "time", "path", "coverage", "RMSE", "MB each",
@@ -86,6 +72,6 @@ def runs(data):
         growth = [r["idle_memory_growth_bytes"] for r in each
                   if r.get("idle_memory_growth_bytes") is not None]
         yield (variant, str(s["runs"]), str(s["complete_and_maps_equal"]),
-               text(s["found_team_s"], 2), text(s["most_bytes_sent"], 1, 1e-6),
-               text(max(idle, default=None)), text(max(growth, default=None), 1, 1e-6),
-               text(s["collisions"]))
+               number(s["found_team_s"], 2), number(s["most_bytes_sent"], 1, 1e-6),
+               number(max(idle, default=None)), number(max(growth, default=None), 1, 1e-6),
+               number(s["collisions"]))

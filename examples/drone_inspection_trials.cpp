@@ -75,9 +75,7 @@ int run(int argc, char** argv) {
   InspectionSettings base = options.settle();
   require(trials >= 1 && trials <= 1000, "--trials: expected 1 to 1000");
   for (const int n : fleets) require(n >= 1 && n <= 64, "--fleets: expected numbers of 1 to 64");
-  for (const std::string& p : planners)
-    require(planner_by_name(p).chooses_pitch || !base.gimbal,
-            "--gimbal: expected --planners surfleet, as the others know level views alone");
+  for (const std::string& p : planners) check_planner(p, base.gimbal, "--planners");
   if (!scenes.empty())
     return run_scene_trials({.scenes = scenes,
                              .planners = planners,

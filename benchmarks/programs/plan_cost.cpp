@@ -12,17 +12,15 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
-#include <fstream>
-#include <iterator>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "support/cli.hpp"
 #include "support/stopwatch.hpp"
 
+#include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/random.hpp>
 #include <surfleet/evaluation/plot.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
@@ -177,14 +175,6 @@ Row measure(std::size_t elements, int robots, int next, int threads) {
   return row;
 }
 
-std::vector<int> numbers(const std::string& text) {
-  std::vector<int> list;
-  for (std::size_t at = 0; at < text.size();
-       at = text.find(',', at) == std::string::npos ? text.size() : text.find(',', at) + 1)
-    list.push_back(std::max(1, std::atoi(&text[at])));
-  return list;
-}
-
 Plot plot_of(std::span<const Row> rows, std::span<const int> robots) {
   Plot plot{.title = "What a plan costs",
             .x_label = "incomplete elements, power of ten",
@@ -204,35 +194,21 @@ Plot plot_of(std::span<const Row> rows, std::span<const int> robots) {
     }
   return plot;
 }
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   std::vector<int> elements{1000, 10000, 100000}, robots{1, 3, 10};
   int next = 10, threads = 1, repeats = 1;
   std::string picture;
-  for (int k = 1; k + 1 < argc; k += 2) {
-    const std::string option = argv[k], value = argv[k + 1];
-    if (option == "--elements")
-      elements = numbers(value);
-    else if (option == "--robots")
-      robots = numbers(value);
-    else if (option == "--next")
-      next = std::max(1, std::atoi(value.c_str()));
-    else if (option == "--threads")
-      threads = std::max(1, std::atoi(value.c_str()));
-    else if (option == "--repeats")
-      repeats = std::max(1, std::atoi(value.c_str()));
-    else if (option == "--plot")
-      picture = value;
-    else {
-      std::fprintf(stderr, "plan_cost: unknown option %s\n", option.c_str());
-      return 2;
-    }
-  }
-  if (argc % 2 == 0) {
-    std::fprintf(stderr, "plan_cost: %s has no value\n", argv[argc - 1]);
-    return 2;
-  }
+  cli::Options app(
+      "What a plan of the default planner costs, by incomplete elements and robots. Prints JSON.");
+  app.add("--elements", elements, "of the sites, about").separated_by(',');
+  app.add("--robots", robots, "of the team").separated_by(',');
+  app.add("--next", next, "plans after the first").positive();
+  app.add("--threads", threads, "of the planner").positive();
+  app.add("--repeats", repeats, "of which the least counts").positive();
+  app.add("--plot", picture, "file of a plot, SVG");
+  app.parse(argc, argv);
+  for (const int n : elements) require(n >= 1, "--elements: expected numbers of 1 or more");
+  for (const int n : robots) require(n >= 1, "--robots: expected numbers of 1 or more");
   std::vector<Row> rows;
   std::printf("{\"threads\": %d, \"next_plans\": %d, \"repeats\": %d, \"rows\": [\n", threads, next,
               repeats);
@@ -260,13 +236,11 @@ int main(int argc, char** argv) {
       std::fflush(stdout);
     }
   std::printf("]}\n");
-  if (!picture.empty()) {
-    std::ofstream out(picture);
-    out << to_svg(plot_of(rows, robots));
-    if (!out.flush()) {
-      std::fprintf(stderr, "plan_cost: cannot write %s\n", picture.c_str());
-      return 2;
-    }
-  }
+  if (!picture.empty()) write_file(picture, to_svg(plot_of(rows, robots)));
   return 0;
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  return cli::run("plan_cost", [&] { return run(argc, argv); });
 }

@@ -20,8 +20,6 @@
 #include "support/stopwatch.hpp"
 #include "surface_figures.hpp"
 
-#include <surfleet/evaluation/statistics.hpp>
-#include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>
 #include <surfleet/geometry/mesh_borders.hpp>
 #include <surfleet/surface/moving_least_squares.hpp>
@@ -29,9 +27,9 @@
 namespace {
 using namespace surfleet;
 using namespace surfleet::examples;
-constexpr double kSpacing = 0.02;  // [m]
 
-TriangleMesh by_poisson(const PointCloud& cloud) {
+/// `detail` is the size of its triangles [m].
+TriangleMesh by_poisson(const PointCloud& cloud, double detail) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Oriented = std::pair<Kernel::Point_3, Kernel::Vector_3>;
   std::vector<Oriented> points;
@@ -43,7 +41,7 @@ TriangleMesh by_poisson(const PointCloud& cloud) {
   CGAL::Surface_mesh<Kernel::Point_3> surface;
   CGAL::poisson_surface_reconstruction_delaunay(
       points.begin(), points.end(), CGAL::First_of_pair_property_map<Oriented>(),
-      CGAL::Second_of_pair_property_map<Oriented>(), surface, 1.5 * kSpacing);
+      CGAL::Second_of_pair_property_map<Oriented>(), surface, detail);
   TriangleMesh mesh;
   for (const auto v : surface.vertices()) {
     const auto& p = surface.point(v);
@@ -64,14 +62,9 @@ struct Judged {
   std::vector<int> open;
 
   void add(const TriangleMesh& mesh, const TriangleMesh& truth, double seconds) {
-    const Bvh bvh(truth), own(mesh);
-    std::vector<double> to_truth, from_truth;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      to_truth.push_back(100.0 * bvh.closest_point(mesh.centroid(t))->distance);
-    for (std::size_t t = 0; t < truth.triangles.size(); ++t)
-      from_truth.push_back(100.0 * own.closest_point(truth.centroid(t))->distance);
-    error.add(summarize(to_truth).mean);
-    missing.add(summarize(from_truth).percentile_95);
+    const scanned_surface::Errors errors(mesh, truth);
+    error.add(100.0 * errors.to_truth.mean);
+    missing.add(100.0 * errors.from_truth.percentile_95);
     nonmanifold.add(static_cast<double>(MeshAdjacency(mesh).non_manifold_edges().size()));
     time.add(seconds);
     open.push_back(benchmarks::steam_chest_openings(mesh, mesh_borders(mesh)));
@@ -107,16 +100,14 @@ int run(int argc, char** argv) {
     s.edge = 0.02;
     s.seed = seeds.first + static_cast<std::uint64_t>(k);
     TriangleMesh truth;
-    const PointCloud cloud = oriented_cloud(scanned_surface::scans(s, truth),
-                                            {.spacing = kSpacing, .neighbors = 40, .seed = s.seed});
-    MovingLeastSquares<> average;
-    average.options.voxel = 1.5 * kSpacing;
-    average.options.support = 4.0 * average.options.voxel;
+    const MovingLeastSquares<> average = scanned_surface::averaging(s);
+    const PointCloud cloud =
+        oriented_cloud(scanned_surface::scans(s, truth), average.options.cloud);
     auto begin = Clock::now();
     const TriangleMesh averaged = average(cloud);
     ours.add(averaged, truth, seconds_since(begin));
     begin = Clock::now();
-    const TriangleMesh filled = by_poisson(cloud);
+    const TriangleMesh filled = by_poisson(cloud, average.options.voxel);
     poisson.add(filled, truth, seconds_since(begin));
   }
   ours.print("moving least squares");

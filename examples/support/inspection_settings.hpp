@@ -122,6 +122,13 @@ struct InspectionSettings : MissionPreset {
   }
 };
 
+/// Throws `Error` if no planner, asked for by `option`, has that name, or it could not use the
+/// gimbal.
+inline void check_planner(const std::string& name, bool gimbal, const std::string& option) {
+  require(planner_by_name(name).chooses_pitch || !gimbal,
+          "--gimbal: expected " + option + " surfleet, as the others know level views alone");
+}
+
 /// What a program runs with these settings: one inspection, many of several planners and fleets,
 /// for which it has options of its own, a tour of what is known, without all that finds out, or one
 /// robot of a distributed fleet.
@@ -354,7 +361,8 @@ class InspectionOptions {
     for (const double angle : s.fov)
       require(angle > 0.0 && angle <= 170.0,
               "--fov " + std::to_string(angle) + ": expected angles in (0, 170] degrees");
-    require(std::abs(s.camera_pitch) <= 80.0, "--camera-pitch: expected -80 to 80 degrees");
+    require(std::abs(s.camera_pitch) <= InspectionSettings::kMostTilt,
+            "--camera-pitch: expected -80 to 80 degrees");
     require(s.gimbal || !s.gimbal_pitch, "--gimbal-pitch: expected --gimbal with it");
     require(!s.gimbal || (s.tilt_of_views() > 0.0 && s.tilt_of_views() + std::abs(s.camera_pitch) <=
                                                          InspectionSettings::kMostTilt),
@@ -415,8 +423,7 @@ class InspectionOptions {
     positive(s.wait_for_team, "--wait-for-team");
     require(s.architecture != "single" || s.robots == 1,
             "--architecture single: expected --robots 1");
-    require(planner_by_name(s.planner).chooses_pitch || !s.gimbal,
-            "--gimbal: expected --planner surfleet, as the others know level views alone");
+    check_planner(s.planner, s.gimbal, "--planner");
   }
 
   cli::Options& app_;

@@ -89,6 +89,35 @@ inline std::vector<Scan> scans(const ScannedSurface& s, TriangleMesh& truth) {
   }
   return scans;
 }
+
+/// What averages many scans, with its cloud.
+inline MovingLeastSquares<> averaging(const ScannedSurface& s) {
+  MovingLeastSquares<> average;
+  average.options.cloud = {.spacing = s.spacing > 0.0 ? s.spacing : 0.02,
+                           .outliers = s.outliers,
+                           .neighbors = 40,
+                           .seed = s.seed,
+                           .threads = s.threads};
+  average.options.voxel = s.voxel > 0.0 ? s.voxel : 1.5 * average.options.cloud.spacing;
+  average.options.support = s.support > 0.0 ? s.support : 4.0 * average.options.voxel;
+  average.options.threads = s.threads;
+  return average;
+}
+/// Distances between the triangles' centres of one and the other surface [m].
+struct Errors {
+  Summary to_truth, from_truth;
+  Errors(const TriangleMesh& mesh, const TriangleMesh& truth) {
+    const auto between = [](const TriangleMesh& a, const TriangleMesh& b) {
+      const Bvh bvh(b);
+      std::vector<double> distance;
+      for (std::size_t t = 0; t < a.triangles.size(); ++t)
+        distance.push_back(bvh.closest_point(a.centroid(t))->distance);
+      return summarize(distance);
+    };
+    to_truth = between(mesh, truth);
+    from_truth = between(truth, mesh);
+  }
+};
 }  // namespace scanned_surface
 
 /// The surface to drive on; what was scanned and how well the mesh agrees goes into `metrics`.
@@ -105,27 +134,21 @@ inline TriangleMesh scanned_surface_mesh(const ScannedSurface& s, nlohmann::json
     require(points >= 3, "--reconstruct: the scans have " + std::to_string(points) +
                              " points; expected three or more");
     const double scanned = seconds_since(begin);
-    // Points must lie apart by more than their noise before they are joined one by one.
-    const double apart = s.spacing > 0.0 ? s.spacing : std::max(0.02, 3.0 * s.noise);
-    OrientedCloudOptions cloud{.outliers = s.outliers, .seed = s.seed, .threads = s.threads};
     if (s.reconstruct == "itm") {
       require(scans.size() == 1,
               "--reconstruct itm: joins one scan's points; expected one place "
               "in --scan-from, or mls or ftm for many");
       mesh = ScanTriangulation{}(scans);
     } else if (s.reconstruct == "mls") {
-      MovingLeastSquares<> reconstruct;
-      cloud.spacing = s.spacing > 0.0 ? s.spacing : 0.02;
-      cloud.neighbors = 40;
-      reconstruct.options.voxel = s.voxel > 0.0 ? s.voxel : 1.5 * cloud.spacing;
-      reconstruct.options.support = s.support > 0.0 ? s.support : 4.0 * reconstruct.options.voxel;
-      reconstruct.options.cloud = cloud;
-      reconstruct.options.threads = s.threads;
-      mesh = reconstruct(scans);
+      mesh = scanned_surface::averaging(s)(scans);
     } else {
       GreedyProjection reconstruct;
-      cloud.spacing = apart;
-      reconstruct.options.cloud = cloud;
+      // Points must lie apart by more than their noise before they are joined one by one.
+      reconstruct.options.cloud = {
+          .spacing = s.spacing > 0.0 ? s.spacing : std::max(0.02, 3.0 * s.noise),
+          .outliers = s.outliers,
+          .seed = s.seed,
+          .threads = s.threads};
       mesh = reconstruct(scans);
     }
     require(!mesh.empty(), "--reconstruct: no triangle came of the points; expected denser scans");
@@ -133,15 +156,10 @@ inline TriangleMesh scanned_surface_mesh(const ScannedSurface& s, nlohmann::json
     metrics["scan_points"] = points;
     metrics["reconstruction_time_s"] = seconds_since(begin) - scanned;
     if (!truth.empty()) {
-      const Bvh bvh(truth), own(mesh);
-      std::vector<double> error, missing;
-      for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        error.push_back(bvh.closest_point(mesh.centroid(t))->distance);
-      for (std::size_t t = 0; t < truth.triangles.size(); ++t)
-        missing.push_back(own.closest_point(truth.centroid(t))->distance);
-      metrics["reconstruction_error_mean_m"] = summarize(error).mean;
-      metrics["reconstruction_error_p95_m"] = summarize(error).percentile_95;
-      metrics["reconstruction_missing_p95_m"] = summarize(missing).percentile_95;
+      const scanned_surface::Errors error(mesh, truth);
+      metrics["reconstruction_error_mean_m"] = error.to_truth.mean;
+      metrics["reconstruction_error_p95_m"] = error.to_truth.percentile_95;
+      metrics["reconstruction_missing_p95_m"] = error.from_truth.percentile_95;
     }
   }
   if (s.faces > 0) {

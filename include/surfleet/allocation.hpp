@@ -10,7 +10,6 @@
 #include <surfleet/allocation/cluster_graph.hpp>
 #include <surfleet/allocation/cost_matrix.hpp>
 #include <surfleet/allocation/exact_tour.hpp>
-#include <surfleet/allocation/exchange_stops.hpp>
 #include <surfleet/allocation/greedy_allocator.hpp>
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/improve_allocation.hpp>

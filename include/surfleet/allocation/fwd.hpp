@@ -9,7 +9,6 @@ struct Assignment;
 class CheapestInsertion;
 class CostMatrix;
 struct ExactTour;
-struct ExchangeStops;
 struct ExponentialUtility;
 struct FleetPlan;
 struct HamiltonianPath;

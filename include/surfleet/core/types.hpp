@@ -36,6 +36,10 @@ struct Configuration {
   double yaw = 0.0;                  ///< About +z from +x [rad].
   double pitch = 0.0;  ///< By which a gimbal tilts the camera down, beyond its mount [rad].
 
+  bool operator==(const Configuration& o) const {
+    return position == o.position && yaw == o.yaw && pitch == o.pitch;
+  }
+
   /// The body's pose: x forward along the heading, z up. The gimbal does not move it.
   Pose pose() const {
     Pose T_world_body = Pose::Identity();

@@ -187,7 +187,7 @@ class DistributedAgent {
   }
   /// Asked seldom, and ever more seldom, as it costs as much as the map is large.
   bool goal_is_reached() {
-    if (!options_.coverage_goal || now_ < next_estimate_) return false;
+    if (!options_.coverage_goal || agent_.stop_reason() || now_ < next_estimate_) return false;
     next_estimate_ = std::max(kEstimates * now_, now_ + kFirstEstimate);
     return belief_.estimate_coverage().share() >= *options_.coverage_goal;
   }

@@ -142,9 +142,7 @@ class TeamRelay {
 
   static bool same(const Stops& a, const Stops& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Stop& p, const Stop& q) {
-      return p.configuration.position == q.configuration.position &&
-             p.configuration.yaw == q.configuration.yaw &&
-             p.configuration.pitch == q.configuration.pitch && p.targets == q.targets;
+      return p.configuration == q.configuration && p.targets == q.targets;
     });
   }
   bool hears(const Mate& mate, double now) const { return now - mate.direct <= options_.silence; }

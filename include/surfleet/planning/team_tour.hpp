@@ -14,8 +14,8 @@
 #include <vector>
 
 #include <surfleet/allocation/cheapest_insertion.hpp>
-#include <surfleet/allocation/exchange_stops.hpp>
 #include <surfleet/allocation/hamiltonian_path.hpp>
+#include <surfleet/allocation/improve_allocation.hpp>
 #include <surfleet/allocation/lin_kernighan.hpp>
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/core/rotation.hpp>
@@ -46,7 +46,7 @@ struct TeamTourOptions {
   /// What a metre costs that a robot's tour is longer than the shortest of the team: others are
   /// there sooner.
   double balance = 0.3;
-  /// Whether stops are exchanged between tours when all are inserted, see `ExchangeStops`.
+  /// Whether stops are exchanged between tours when all are inserted, see `ImproveAllocation`.
   bool exchange = false;
   int threads = 1;  ///< The result is the same for any number.
 };
@@ -266,39 +266,63 @@ class TeamTours {
     }
     return best;
   }
-  /// Stops go over to robots that have a shorter way to them; what a robot is on its way to stays.
+  /// A robot has so many stops at the most, and those that somebody is on its way to stay.
+  struct Rooms {
+    std::vector<std::size_t> most;  // by robot
+    std::vector<char> stays;        // by stop
+
+    bool permits(int robot, int stop, const Route& route) const {
+      return route.order.size() < most[static_cast<std::size_t>(robot)] &&
+             stays[static_cast<std::size_t>(stop)] == 0;
+    }
+    bool admits(int robot, const Route& route) const {
+      return route.order.size() <= most[static_cast<std::size_t>(robot)];
+    }
+  };
+  /// Stops go over to robots that have a shorter way to them, to the advantage of all ways together
+  /// and, `balance` times, of the longest.
   void exchange() {
+    const int robots = static_cast<int>(tours_.size());
     std::vector<TeamTourStop> all;
-    std::vector<std::vector<int>> tours(tours_.size());
-    std::vector<std::size_t> most;
-    for (std::size_t t = 0; t < tours_.size(); ++t) {
-      most.push_back(static_cast<std::size_t>(std::max(tours_[t].start->stops, 0)));
-      for (const TeamTourStop& stop : tours_[t].stops) {
-        tours[t].push_back(static_cast<int>(all.size()));
+    FleetPlan plan;
+    Rooms rooms;
+    for (const Tour& tour : tours_) {
+      rooms.most.push_back(static_cast<std::size_t>(std::max(tour.start->stops, 0)));
+      plan.routes.emplace_back();
+      for (const TeamTourStop& stop : tour.stops) {
+        plan.routes.back().push_back(static_cast<int>(all.size()));
         all.push_back(stop);
+        rooms.stays.push_back(std::any_of(tours_.begin(), tours_.end(), [&](const Tour& t) {
+          return t.start->goal == stop.site;
+        }));
       }
     }
-    const auto stop_of = [&](int i) -> const TeamTourStop& {
-      return all[static_cast<std::size_t>(i)];
-    };
-    const auto length = [&](std::size_t t, int i, int j) {
-      const TourStart& start = *tours_[t].start;
-      const TeamTourStop& to = stop_of(j);
-      const double way =
-          i < 0 ? start.distance[to.site] : (sites_[stop_of(i).site] - sites_[to.site]).norm();
-      const double yaw = i < 0 ? start.from.yaw : heading_angle(stop_of(i).view % kHeadings);
-      return way + turn(yaw, heading_angle(to.view % kHeadings)) + options_.stop_cost;
-    };
-    const auto permits = [&](std::size_t t, int j) {
-      const std::size_t site = stop_of(j).site;
-      return std::isfinite(tours_[t].start->distance[site]) &&
-             std::none_of(tours_.begin(), tours_.end(),
-                          [&](const Tour& tour) { return tour.start->goal == site; });
-    };
-    ExchangeStops{.balance = options_.balance}(tours, most, length, permits);
+    const int stops = static_cast<int>(all.size());
+    MatrixRouting ways{robots, CostMatrix(robots + stops), CostMatrix(robots + stops)};
+    for (int j = 0; j < stops; ++j) {
+      const TeamTourStop& to = all[static_cast<std::size_t>(j)];
+      const double yaw = heading_angle(to.view % kHeadings);
+      const auto set = [&](int from, double way, double from_yaw) {
+        ways.length(from, robots + j) = way + turn(from_yaw, yaw) + options_.stop_cost;
+      };
+      for (int t = 0; t < robots; ++t) {
+        const TourStart& start = *tours_[static_cast<std::size_t>(t)].start;
+        set(t, start.distance[to.site], start.from.yaw);
+      }
+      for (int i = 0; i < stops; ++i) {
+        const TeamTourStop& from = all[static_cast<std::size_t>(i)];
+        set(robots + i, (sites_[from.site] - sites_[to.site]).norm(),
+            heading_angle(from.view % kHeadings));
+      }
+    }
+    const double mean_weight = robots / std::max(options_.balance, kLeastBalance);
+    const ImproveAllocation<MakespanAndMean, InsertionValue<RouteShortness>, Rooms> improve{
+        .objective = {.mean_weight = mean_weight}, .constraint = rooms};
+    plan = improve(ways, plan);
     for (std::size_t t = 0; t < tours_.size(); ++t) {
       tours_[t].stops.clear();
-      for (const int i : tours[t]) tours_[t].stops.push_back(stop_of(i));
+      for (const int i : plan.routes[t])
+        tours_[t].stops.push_back(all[static_cast<std::size_t>(i)]);
     }
   }
   std::vector<TeamTourStop> in_order(const Tour& tour) const {
@@ -314,7 +338,8 @@ class TeamTours {
     return ordered;
   }
 
-  static constexpr std::size_t kLooks = 8;  ///< Taken at a time.
+  static constexpr std::size_t kLooks = 8;       ///< Taken at a time.
+  static constexpr double kLeastBalance = 1e-6;  ///< As good as none.
   /// Of the best rate, for another to be as good but for rounding; then the first site is taken.
   static constexpr double kTie = 1.0 - 1e-12;
 

@@ -61,7 +61,7 @@ class DistributedSimulation {
     for (std::size_t r = 0; r < fleet_.size(); ++r) {
       bodies_.push_back(
           std::make_unique<Body>(world, r, fleet_, options_.kind.limits, options_.neighbours));
-      robots_.push_back(started(r, 0, homes_[r]));
+      robots_.push_back(started(r, 0));
     }
     std::stable_sort(distributed_.events.begin(), distributed_.events.end(),
                      [](const FleetEvent& a, const FleetEvent& b) { return a.time < b.time; });
@@ -121,13 +121,12 @@ class DistributedSimulation {
       if (alive_[r]) f(r);
     });
   }
-  std::unique_ptr<Robot> started(std::size_t r, std::uint32_t incarnation,
-                                 const Configuration& home) {
+  std::unique_ptr<Robot> started(std::size_t r, std::uint32_t incarnation) {
     const auto id = static_cast<RobotId>(r);
     DistributedAgentOptions own = distributed_.agent;
     own.incarnation += incarnation;
     AgentOptions agent = options_.agent;
-    agent.home = home;
+    agent.home = homes_[r];
     return std::make_unique<Robot>(id, options_.kind, *bodies_[r], options_.belief, agent,
                                    options_.start_clearance, planner_(id), own,
                                    distributed_.packer);
@@ -139,8 +138,7 @@ class DistributedSimulation {
       if (gone_[e.robot]) continue;
       if (e.kind == FleetEvent::Kind::restarted) {
         bodies_[e.robot]->stop();
-        robots_[e.robot] =
-            started(e.robot, static_cast<std::uint32_t>(next_event_) + 1, homes_[e.robot]);
+        robots_[e.robot] = started(e.robot, static_cast<std::uint32_t>(next_event_) + 1);
         std::erase(result_.lost, e.robot);
         alive_[e.robot] = true;
         catching_up_.add(time_);
@@ -181,17 +179,16 @@ class DistributedSimulation {
     MissionResult& m = record_.result;
     m.left_out = first.plans().left_out();
     m.complete = ended_;
-    for (std::size_t r = 0; r < robots_.size(); ++r)
-      if (alive_[r] &&
-          robots_[r]->agent().stop_reason().value_or(StopReason::complete) != StopReason::complete)
-        m.complete = false;
     result_.maps_equal = true;
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       const Robot& robot = *robots_[r];
       record_.add_planning_robot(robot, ended_);
       result_.redundant_stops += robot.redundant_stops();
       result_.bytes_sent.push_back(network_.bytes_sent(static_cast<RobotId>(r)));
-      if (alive_[r] && &robot != &first)
+      if (!alive_[r]) continue;
+      m.complete = m.complete && robot.agent().stop_reason().value_or(StopReason::complete) ==
+                                     StopReason::complete;
+      if (&robot != &first)
         result_.maps_equal = result_.maps_equal && equal_maps(first.map(), robot.map());
     }
     for (std::size_t k = 0; k < kMessageKinds; ++k)

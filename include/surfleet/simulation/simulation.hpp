@@ -105,6 +105,13 @@ class Simulation {
     record_.close(time_, belief_, planning_.requests.impossible());
     record_.result.plans = planning_.requests.plans();
     record_.result.planning_time = planning_.requests.planning_time();
+    if (agents_.size() > 1) {
+      const PinholeCamera& camera = options_.kind.camera;
+      const auto pixels =
+          static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
+      record_.result.traffic.images = record_.result.images * pixels * sizeof(std::uint16_t);
+      record_.result.traffic.poses = record_.result.images * kPoseBytes;
+    }
     for (const auto& agent : agents_)
       record_.add_robot(
           *agent, ended_ ? agent->stop_reason().value_or(StopReason::complete) : StopReason::ended);
@@ -141,13 +148,6 @@ class Simulation {
     parallel_for(agents_.size(), options_.threads, [&](std::size_t r) { agents_[r]->sense(); });
     for (const auto& agent : agents_) agent->integrate();
     record_.result.images += agents_.size();
-    if (agents_.size() > 1) {
-      const PinholeCamera& camera = options_.kind.camera;
-      const auto pixels =
-          static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
-      record_.result.traffic.images += agents_.size() * pixels * sizeof(std::uint16_t);
-      record_.result.traffic.poses += agents_.size() * kPoseBytes;
-    }
     belief_.update();
   }
   void count_routes(const Plan& plan) {
