@@ -23,6 +23,7 @@ struct RoboticBandPlan;
 struct SpiralSweep;
 struct SurfaceCoverageOptions;
 struct SurfaceGraph;
+struct SurfaceMapReport;
 struct SurfacePartition;
 struct UniformDensity;
 struct VertexExchange;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -57,7 +58,8 @@ GeodesicTessellation geodesic_tessellation(const PolygonGeodesics& geodesics,
 }
 
 struct GeodesicCoverageOptions {
-  double cell = 0.0;  ///< Of the grid the regions are counted on [m]; 0: a sixtieth of the domain.
+  /// Of the grid the regions are counted on [m]; nothing: a sixtieth of the domain.
+  std::optional<double> cell{};
 };
 
 /// Coverage by gradient descent on H with h = d² and shortest-path distance.
@@ -72,8 +74,7 @@ class GeodesicCoverage {
                             Density rho = {})
       : density(std::move(rho)),
         geodesics_(domain),
-        grid_(domain,
-              options.cell > 0.0 ? options.cell : domain.bounds().diagonal().norm() / 60.0) {}
+        grid_(domain, options.cell.value_or(domain.bounds().diagonal().norm() / 60.0)) {}
 
   const CoverageGrid& grid() const { return grid_; }
   const PolygonGeodesics& geodesics() const { return geodesics_; }

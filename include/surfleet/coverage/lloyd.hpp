@@ -13,6 +13,7 @@
 #include <concepts>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -22,7 +23,8 @@
 
 namespace surfleet {
 struct LloydOptions {
-  double element = 0.0;  ///< Longest side of a quadrature part [m]; 0: a fortieth of the domain.
+  /// Longest side of a quadrature part [m]; nothing: a fortieth of the domain.
+  std::optional<double> element{};
   int threads = 1;
 };
 /// What one evaluation of the tessellation tells.
@@ -49,9 +51,8 @@ class LloydCoverage {
       : density(std::move(rho)),
         performance(std::move(h)),
         domain_(std::move(domain)),
-        options_(options) {
-    if (options_.element <= 0.0) options_.element = domain_.bounds().diagonal().norm() / 40.0;
-  }
+        options_(options),
+        element_(options.element.value_or(domain_.bounds().diagonal().norm() / 40.0)) {}
   const Polygon& domain() const { return domain_; }
 
   /// Centroids, masses and cost of the tessellation of `robots`.
@@ -113,7 +114,7 @@ class LloydCoverage {
       mass = m.mass;
       cost = m.polar(robot);
     } else {
-      const auto points = quadrature(clipper.region(), options_.element, density);
+      const auto points = quadrature(clipper.region(), element_, density);
       RegionMoments m{robot, 0.0, Point2::Zero(), 0.0};
       for (const QuadraturePoint& q : points) m.add_point(q);
       mass = m.mass;
@@ -128,6 +129,7 @@ class LloydCoverage {
   }
   Polygon domain_;
   LloydOptions options_;
+  double element_;  // [m]
 };
 
 /// Robots at distinct random places of the domain, uniformly.

@@ -81,9 +81,10 @@ class ShortestPathPlanner {
 static_assert(CoveragePlanner<TangentBugPlanner> && CoveragePlanner<ShortestPathPlanner>);
 
 struct NonconvexOptions {
-  double speed = 0.05;     ///< Of real and virtual robots [m/s].
-  double dt = 0.1;         ///< [s]
-  double tolerance = 0.0;  ///< A goal nearer than this is reached [m]; 0: 1e-4 of the domain.
+  double speed = 0.05;  ///< Of real and virtual robots [m/s].
+  double dt = 0.1;      ///< [s]
+  /// A goal nearer than this is reached [m]; nothing: 1e-4 of the domain.
+  std::optional<double> tolerance{};
 };
 
 template <CoveragePlanner Planner = TangentBugPlanner, PlanarDensity Density = UniformDensity>
@@ -104,7 +105,6 @@ class NonconvexCoverage {
     require_placed(*domain_, start);
     require(settings.speed > 0.0 && settings.dt > 0.0,
             "non-convex coverage: speed and time step must be positive");
-    if (options.tolerance <= 0.0) options.tolerance = 1e-4 * domain_->bounds().diagonal().norm();
     for (const Point2& p : start) robots_.push_back({p, p, p, false});
     motions_.resize(start.size());
     settled_.assign(start.size(), false);
@@ -141,12 +141,14 @@ class NonconvexCoverage {
     if (std::any_of(motions_.begin(), motions_.end(),
                     [](const auto& m) { return !m || m->arrived(); })) {
       const std::vector<Point2> centroids = goals();
+      const double tolerance =
+          options.tolerance.value_or(1e-4 * domain_->bounds().diagonal().norm());
       for (std::size_t i = 0; i < robots_.size(); ++i) {
         if (motions_[i] && !motions_[i]->arrived()) continue;
         Robot& r = robots_[i];
         const bool same =
-            motions_[i].has_value() && (centroids[i] - r.virtual_goal).norm() <= options.tolerance;
-        settled_[i] = same && (r.virtual_position - r.virtual_goal).norm() <= options.tolerance;
+            motions_[i].has_value() && (centroids[i] - r.virtual_goal).norm() <= tolerance;
+        settled_[i] = same && (r.virtual_position - r.virtual_goal).norm() <= tolerance;
         if (same) continue;
         r.virtual_goal = centroids[i];
         r.constrained = !surfleet::contains(*domain_, r.virtual_goal);

@@ -26,8 +26,9 @@ struct RoboticBandOptions {
   /// Area at which a MIDDLE point closes a cell [m²]. 0: chosen so that all robots finish together,
   /// which gives later cells less; 004 leaves the best value to the user.
   double cell_area = 0.0;
-  double max_advance = 0.0;  ///< Length of a cell along the sweep that closes it [m]; 0: none.
-  double small = 0.15;       ///< A cell below this share of a full one becomes an open task.
+  /// Length of a cell along the sweep that closes it [m].
+  double max_advance = std::numeric_limits<double>::infinity();
+  double small = 0.15;  ///< A cell below this share of a full one becomes an open task.
 };
 struct RoboticBandPlan {
   ReebGraph graph;                    ///< With MIDDLE points; cells in the order of closing.
@@ -208,15 +209,14 @@ class BandRun {
         return std::max(0.05 * share_, (finish_ - at) * options_.speed * options_.lane);
       };
       const auto full = [&](double to) { return area(between(cell.region, x, to)) >= wanted(to); };
-      if (!full(end) && (settings_.max_advance <= 0.0 || x + settings_.max_advance >= end)) break;
+      if (!full(end) && x + settings_.max_advance >= end) break;
       double low = x, high = end;
       if (full(end))
         for (int k = 0; k < 50; ++k) {
           const double middle = 0.5 * (low + high);
           (full(middle) ? high : low) = middle;
         }
-      double to = high;
-      if (settings_.max_advance > 0.0) to = std::min(to, x + settings_.max_advance);
+      const double to = std::min(high, x + settings_.max_advance);
       if (area(between(cell.region, to, end)) < settings_.small * share_ && band.size() <= 2) break;
       drive(cell.region, x, to, band);
       const std::int32_t point = add_middle(cell.region, to);
@@ -351,8 +351,8 @@ inline RoboticBandPlan robotic_band(const Polygon& domain, std::span<const Point
                                     RoboticBandOptions settings = {}) {
   require_valid(options);
   require_placed(domain, start);
-  require(settings.cell_area >= 0.0 && settings.max_advance >= 0.0,
-          "robotic band: sizes of cells must not be negative");
+  require(settings.cell_area >= 0.0 && settings.max_advance > 0.0,
+          "robotic band: the area of cells must not be negative, their length positive");
   const Eigen::Rotation2Dd to_band(-settings.direction), back(settings.direction);
   Polygon turned = domain;
   for (std::size_t r = 0; r < turned.rings(); ++r)

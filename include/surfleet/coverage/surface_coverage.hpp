@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -39,7 +40,8 @@ struct SurfaceCoverageOptions {
   std::uint64_t seed = 1;
   double sensing_range = std::numeric_limits<double>::infinity();  ///< [m]; finite: unknown mesh.
   double communication_range = std::numeric_limits<double>::infinity();  ///< [m]
-  double snap = 0.0;  ///< Farthest that a robot may stand off the surface [m]; 0: one mean edge.
+  /// Farthest that a robot may stand off the surface [m]; nothing: one mean edge.
+  std::optional<double> snap{};
   bool allow_unreached = false;  ///< Leave parts without a robot uncovered instead of refusing.
 };
 
@@ -144,8 +146,8 @@ class SurfaceCoverage {
 
   std::vector<std::int32_t> nearest_sites(std::span<const Point3> robots) const {
     require(!graph_->position.empty(), "surface coverage: the mesh has no sites");
-    double snap = options_.snap;
-    if (!(snap > 0.0)) {
+    double snap = options_.snap.value_or(0.0);
+    if (!options_.snap) {
       double sum = 0.0, count = 0.0;
       for (std::size_t v = 0; v < graph_->size(); ++v)
         for (const Arc& arc : graph_->links.arcs(static_cast<std::int32_t>(v))) {
@@ -205,6 +207,7 @@ class SurfaceCoverage {
     if (unknown()) {
       maps_ = SurfaceMaps(*graph_, state_.partition.robots(), options_.sensing_range,
                           options_.communication_range);
+      network_.emplace(state_.partition.robots());
       sense_and_exchange();
       restart_teams();
     } else {
@@ -217,7 +220,7 @@ class SurfaceCoverage {
     const auto& g = state_.partition.generator;
     for (std::size_t i = 0; i < g.size(); ++i)
       changed |= maps_.sense(*graph_, static_cast<std::int32_t>(i), g[i]);
-    changed |= maps_.exchange(*graph_, g);
+    changed |= maps_.exchange(*graph_, g, *network_);
     return changed;
   }
   /// The state of one team: its robots, its map, its regions.
@@ -284,7 +287,7 @@ class SurfaceCoverage {
     bool fresh = sense_and_exchange();
     if (!changed && !fresh && idle_ + 1 >= patience_) {
       for (const Team& team : teams_) fresh |= look_beyond(team);
-      if (fresh) maps_.exchange(*graph_, state_.partition.generator);
+      if (fresh) maps_.exchange(*graph_, state_.partition.generator, *network_);
     }
     if (fresh) {
       restart_teams();
@@ -315,6 +318,7 @@ class SurfaceCoverage {
   std::shared_ptr<const SurfaceGraph> graph_;
   DeploymentState state_;
   SurfaceMaps maps_;
+  std::optional<PerfectTransport<SurfaceMapReport>> network_;  // on an unknown surface
   std::vector<Team> teams_;
   std::size_t idle_ = 0, patience_ = 1, steps_ = 0;
 };

@@ -4,17 +4,25 @@
 /// maps within communication range [004 §6.5].
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/core/transport.hpp>
 #include <surfleet/coverage/mesh_graph.hpp>
 
 namespace surfleet {
+/// What a robot tells the others.
+struct SurfaceMapReport {
+  std::int32_t site = -1;           ///< Where it is; -1: nowhere.
+  std::vector<std::uint8_t> mates;  ///< By robot: whether it shares a map with it.
+  std::vector<std::uint8_t> known;  ///< By site.
+};
+
 /// The discovered subgraph of every robot.
 class SurfaceMaps {
  public:
@@ -24,10 +32,12 @@ class SurfaceMaps {
       : sensing_(sensing_range),
         communication_(communication_range),
         known_(robots, std::vector<std::uint8_t>(graph.size(), 0)),
+        mates_(robots, std::vector<std::uint8_t>(robots, 0)),
         team_(robots) {
     require(sensing_range > 0.0 && communication_range >= 0.0,
             "maps: the sensing range must be positive, the communication range not negative");
-    std::iota(team_.begin(), team_.end(), 0);
+    for (std::size_t i = 0; i < robots; ++i) mates_[i][i] = 1;
+    name_teams();
   }
 
   /// Adds the sites that `robot` sees from `site`: those within the sensing range, straight, that
@@ -53,41 +63,28 @@ class SurfaceMaps {
     return fresh;
   }
 
-  /// Robots within communication range whose maps share a site merge them and become a team,
-  /// named after its lowest robot; what one of a team learns all of it learn. A team does not
-  /// split: robots that agreed on a partition stay in touch by relay. True if any map or team
-  /// changed. O(robots² n).
-  bool exchange(const SurfaceGraph& graph, std::span<const std::int32_t> sites) {
-    const std::size_t robots = known_.size();
-    const std::vector<std::int32_t> before = team_;
-    const auto root = [&](std::size_t i) {
-      while (team_[i] != static_cast<std::int32_t>(i)) i = static_cast<std::size_t>(team_[i]);
-      return i;
-    };
-    for (std::size_t i = 0; i < robots; ++i) {
-      for (std::size_t j = i + 1; j < robots; ++j) {
-        if (sites[i] < 0 || sites[j] < 0 || root(i) == root(j)) continue;
-        const double gap = (graph.position[static_cast<std::size_t>(sites[i])] -
-                            graph.position[static_cast<std::size_t>(sites[j])])
-                               .norm();
-        if (gap > communication_ || !overlap(i, j)) continue;
-        const std::size_t a = root(i), b = root(j);
-        team_[std::max(a, b)] = static_cast<std::int32_t>(std::min(a, b));
-      }
+  /// Robots on `sites` tell each other what they know, round after round until nobody learns
+  /// anything more. Who hears a robot within communication range whose map shares a site with its
+  /// own takes it, and its mates, for mates; what one of a team learns all of it learn. A team does
+  /// not split: robots that agreed on a partition stay in touch by relay. True if any map or team
+  /// changed. O(robots² n) a round, of at most as many as there are robots; what a network loses is
+  /// told again with the next exchange.
+  template <Transport Network>
+  bool exchange(const SurfaceGraph& graph, std::span<const std::int32_t> sites, Network& network) {
+    bool changed = false, fresh = true;
+    for (std::size_t round = 0; fresh && round < robots(); ++round, ++time_) {
+      for (std::size_t i = 0; i < robots(); ++i)
+        network.send({.time = static_cast<double>(time_),
+                      .from = static_cast<RobotId>(i),
+                      .payload = {sites[i], mates_[i], known_[i]}});
+      fresh = false;
+      for (std::size_t i = 0; i < robots(); ++i)
+        for (const auto& report : network.receive(static_cast<RobotId>(i)))
+          fresh = hear(graph, i, sites[i], report.from, report.payload) || fresh;
+      changed = changed || fresh;
     }
-    bool changed = false;
-    for (std::size_t i = 0; i < robots; ++i) team_[i] = static_cast<std::int32_t>(root(i));
-    for (std::size_t i = 0; i < robots; ++i) {
-      auto& shared = known_[static_cast<std::size_t>(team_[i])];
-      for (std::size_t v = 0; v < shared.size(); ++v) {
-        changed |= shared[v] != known_[i][v];
-        shared[v] |= known_[i][v];
-      }
-    }
-    for (std::size_t i = 0; i < robots; ++i)
-      if (team_[i] != static_cast<std::int32_t>(i))
-        known_[i] = known_[static_cast<std::size_t>(team_[i])];
-    return changed || team_ != before;
+    name_teams();
+    return changed;
   }
 
   const std::vector<std::uint8_t>& known(std::int32_t robot) const {
@@ -111,14 +108,49 @@ class SurfaceMaps {
   }
 
  private:
-  bool overlap(std::size_t i, std::size_t j) const {
-    for (std::size_t v = 0; v < known_[i].size(); ++v)
-      if (known_[i][v] != 0 && known_[j][v] != 0) return true;
+  std::size_t robots() const { return known_.size(); }
+  /// True if the robot learns anything.
+  bool hear(const SurfaceGraph& graph, std::size_t robot, std::int32_t site, RobotId from,
+            const SurfaceMapReport& report) {
+    auto& mates = mates_[robot];
+    auto& known = known_[robot];
+    if (mates[from] == 0) {
+      if (site < 0 || report.site < 0) return false;
+      const double gap = (graph.position[static_cast<std::size_t>(site)] -
+                          graph.position[static_cast<std::size_t>(report.site)])
+                             .norm();
+      if (gap > communication_ || !overlap(known, report.known)) return false;
+    }
+    const bool team = add(report.mates, mates), map = add(report.known, known);
+    return team || map;
+  }
+  /// True if `to` did not have all of it.
+  static bool add(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& to) {
+    bool fresh = false;
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      fresh |= from[i] != 0 && to[i] == 0;
+      to[i] |= from[i];
+    }
+    return fresh;
+  }
+  static bool overlap(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (a[i] != 0 && b[i] != 0) return true;
     return false;
+  }
+  /// After a robot that may itself have named its team after another.
+  void name_teams() {
+    for (std::size_t i = 0; i < robots(); ++i) {
+      const auto lowest = std::find(mates_[i].begin(), mates_[i].end(), std::uint8_t{1});
+      const auto name = static_cast<std::size_t>(lowest - mates_[i].begin());
+      team_[i] = name == i ? static_cast<std::int32_t>(i) : team_[name];
+    }
   }
   double sensing_ = std::numeric_limits<double>::infinity();
   double communication_ = std::numeric_limits<double>::infinity();
-  std::vector<std::vector<std::uint8_t>> known_;
+  std::vector<std::vector<std::uint8_t>> known_;  // sites, by robot
+  std::vector<std::vector<std::uint8_t>> mates_;  // robots, by robot, itself among them
   std::vector<std::int32_t> team_;
+  std::uint64_t time_ = 0;  // of rounds
 };
 }  // namespace surfleet
