@@ -164,14 +164,15 @@ int evaluate_files(int argc, char** argv) {
   app.add("--known-weight", known_weight, "W_th: weight from which a map's voxels count")
       .positive();
   app.add("--density", options.density,
-          "Points per square metre sampled on meshes; 0: about 8 in an M3C2 cylinder");
+          "Points per square metre sampled on meshes; without: about 8 in an M3C2 cylinder");
   app.add("--points", max_core_points, "Reference points judged, at most about");
   app.add("--crop", crop, "Judge only this box: x0 y0 z0 x1 y1 z1 [m]").expected(6);
   app.add("--normal-scale", options.normal_scale,
-          "M3C2 D [m]: normals of a cloud are fitted to this ball; 0: twice d");
+          "M3C2 D [m]: normals of a cloud are fitted to this ball; without: twice d");
   app.add("--projection-scale", options.projection_scale,
-          "M3C2 d [m]: diameter of the cylinder; 0: 2/sqrt(3) e_max, a voxel");
-  app.add("--max-depth", options.max_depth, "M3C2 cylinder to either side [m]; 0: twice e_max");
+          "M3C2 d [m]: diameter of the cylinder; without: 2/sqrt(3) e_max, a voxel");
+  app.add("--max-depth", options.max_depth,
+          "M3C2 cylinder to either side [m]; without: twice e_max");
   app.add("--seed", options.seed, "Seed of the sampling");
   app.add("--threads", options.threads, "Threads; results do not depend on it").within(1, 256);
   app.add("--out", out, "Folder for metrics.json, report.html and error.ply");
@@ -179,14 +180,14 @@ int evaluate_files(int argc, char** argv) {
   app.parse(argc, argv);
 
   const auto positive = [](double v) { return v > 0.0 && std::isfinite(v); };
-  const auto positive_or_zero = [&](double v) { return v == 0.0 || positive(v); };
+  const auto positive_if_any = [&](const std::optional<double>& v) { return !v || positive(*v); };
   require(positive(options.e_max), "--emax: expected a positive length in metres");
   require(positive(max_core_points), "--points: expected a positive number");
-  require(positive_or_zero(options.density), "--density: expected 0 or more points per m²");
-  require(positive_or_zero(options.normal_scale), "--normal-scale: expected 0 or more metres");
-  require(positive_or_zero(options.projection_scale),
-          "--projection-scale: expected 0 or more metres");
-  require(positive_or_zero(options.max_depth), "--max-depth: expected 0 or more metres");
+  require(positive_if_any(options.density), "--density: expected points per m²");
+  require(positive_if_any(options.normal_scale), "--normal-scale: expected a positive length");
+  require(positive_if_any(options.projection_scale),
+          "--projection-scale: expected a positive length");
+  require(positive_if_any(options.max_depth), "--max-depth: expected a positive length");
   std::optional<Box3> box;
   if (!crop.empty()) box = cli::box_from_numbers(crop, "--crop");
   options.sided = sides != "any";

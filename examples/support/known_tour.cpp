@@ -23,6 +23,7 @@ KnownSitePlanner::KnownSitePlanner(const InspectionSettings& s, const Inspection
                        .margin = margin,
                        .keep_out = mission_options(s, site).kind.keep_out}),
       roadmap_(space_, {.seed = s.seed}) {
+  roadmap_.densify();
   const double each = site.samples.area_per_sample;
   const auto step = static_cast<std::size_t>(std::max(1.0, std::round(1.0 / (density * each))));
   for (std::size_t i = 0; i < site.reference.size(); i += step) {

@@ -5,6 +5,7 @@
 
 #include <surfleet/planning/fwd.hpp>
 
+#include <surfleet/planning/cluster_gain.hpp>
 #include <surfleet/planning/coverage_tour.hpp>
 #include <surfleet/planning/default_planner.hpp>
 #include <surfleet/planning/interest.hpp>

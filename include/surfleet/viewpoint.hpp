@@ -16,6 +16,7 @@
 #include <surfleet/viewpoint/surface_prediction.hpp>
 #include <surfleet/viewpoint/unseen_space.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
+#include <surfleet/viewpoint/view_limits.hpp>
 #include <surfleet/viewpoint/view_memory.hpp>
 #include <surfleet/viewpoint/viewpoint.hpp>
 #include <surfleet/viewpoint/viewpoint_clustering.hpp>

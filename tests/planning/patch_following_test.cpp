@@ -2,13 +2,18 @@
 /// Everything that follows a map follows one that patches leave.
 #include <surfleet/mapping/patch_fusion.hpp>
 
+#include <cmath>
 #include <vector>
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
+#include <surfleet/viewpoint/surface_prediction.hpp>
+#include <surfleet/viewpoint/unseen_space.hpp>
+#include <surfleet/viewpoint/view_memory.hpp>
 
 #include "../mapping/patch_scenes.hpp"
 #include "check.hpp"
@@ -17,12 +22,19 @@ using namespace surfleet;
 using namespace surfleet::test;
 
 namespace {
+/// At `eye`, towards the sheet.
+Configuration facing(const Point3& eye) { return {eye, std::atan2(-eye.y(), -eye.x())}; }
+
 /// What a planner reads, on a fusion of patches.
 struct Followers {
   VoxelStateMap states;
   IncompleteSurface incomplete{{.known_weight = 0.3}};
   FreeSpace free;
   LazyPrmStar roadmap;
+  UnseenSpace unseen;
+  SurfacePredictor predict;
+  ChangedRegions changed;
+  SightMemory sights;
   explicit Followers(const TsdfMap& map)
       : states(map, {.known_weight = 0.3}),
         free(states,
@@ -35,11 +47,27 @@ struct Followers {
     incomplete.update(states);
     free.update();
     roadmap.update();
+    unseen.update(states, free.options().bounds, 0.4);
+    sights.forget(changed(states, states, free));
+  }
+  std::vector<PredictedPatch> predicted() {
+    const auto elements = incomplete.elements();
+    return predict(elements, states, {.reach = 1.5});
+  }
+  /// What views before the sheet show.
+  std::vector<std::vector<std::int32_t>> shown() {
+    const auto elements = incomplete.elements();
+    const ViewFrustum frustum(sheet_camera(), forward_camera_mount());
+    std::vector<Viewpoint> views;
+    for (int i = 0; i < 45; i += 9)
+      views.push_back({.configuration = facing(sheet_pose(i).translation()), .targets = {}});
+    const IncompleteSurfaceGain gain(elements, states, frustum);
+    return sights(views, elements, frustum, [&](const Configuration& q) { return gain.seen(q); });
   }
 };
 }  // namespace
 
-TEST(states_elements_space_and_roadmap_after_removal_equal_those_built_afresh) {
+TEST(what_planners_read_and_remember_after_removal_equals_what_is_built_afresh) {
   const PatchFusionOptions options{.voxel_size = 0.2, .truncation = 0.6};
   PatchRecorder<DropOffWeight<>> recorder({.voxel_size = 0.2}, {.truncation = 0.6},
                                           {.full = 0.2, .zero = 0.3});
@@ -55,7 +83,7 @@ TEST(states_elements_space_and_roadmap_after_removal_equal_those_built_afresh) {
   Followers kept(fusion.map());
   Random random(4);
   std::vector<char> in(patches.size(), 0);
-  std::size_t elements = 0, reached = 0, cut_off = 0;
+  std::size_t elements = 0, reached = 0, cut_off = 0, predicted = 0, shown = 0;
   for (int round = 0; round < 8; ++round) {
     for (std::uint64_t n = 1 + random.below(3); n > 0; --n) {
       const std::size_t p = random.below(patches.size());
@@ -82,6 +110,18 @@ TEST(states_elements_space_and_roadmap_after_removal_equal_those_built_afresh) {
     CHECK(a.size() == b.size());
     for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)
       CHECK(a[i].voxel == b[i].voxel && a[i].direction == b[i].direction);
+    const auto p = kept.predicted(), q = fresh.predicted();
+    CHECK(p.size() == q.size());
+    for (std::size_t i = 0; i < p.size() && i < q.size(); ++i)
+      CHECK(p[i].position == q[i].position && p[i].normal == q[i].normal);
+    predicted += p.size();
+    fresh.unseen.update(fresh.states, fresh.free.options().bounds, 0.4);
+    CHECK(kept.unseen.size() == fresh.unseen.size());
+    for (std::size_t i = 0; i < kept.unseen.size() && i < fresh.unseen.size(); ++i)
+      CHECK(kept.unseen.center(i) == fresh.unseen.center(i));
+    const auto s = kept.shown(), t = fresh.shown();
+    CHECK(s == t);
+    for (const auto& ids : s) shown += ids.size();
     elements += a.size();
     const auto here = kept.roadmap.reach_from(sheet_pose(0).translation());
     const auto there = fresh.roadmap.reach_from(sheet_pose(0).translation());
@@ -92,4 +132,5 @@ TEST(states_elements_space_and_roadmap_after_removal_equal_those_built_afresh) {
     }
   }
   CHECK(elements > 100 && reached > 20 && cut_off > 20);
+  CHECK(predicted > 100 && shown > 100);
 }

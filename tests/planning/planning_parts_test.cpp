@@ -367,6 +367,57 @@ TEST(nobody_is_sent_where_he_cannot_get) {
   check(NnbPlanner(options));
   check(MakespanPlanner(options));
   check(CoverPlanner(options));
+  check(TourPlanner<GreedyAllocator<>, KeepAllocation, MergeNearby, RatioUtility, UnknownInSight>(
+      options));
+}
+
+TEST(clusters_are_worth_what_their_views_show) {
+  TsdfMap map({.voxel_size = 0.3});
+  map_test::paint(map, {-36, -24, 0}, {36, 24, 13}, among_pillars);
+  StillMission still(map, {.radius = 0.4, .margin = 0.3},
+                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0),
+                     Box3(Point3(-10.0, -7.0, 0.0), Point3(10.0, 7.0, 3.5)));
+  std::vector<Teammate> robots{{{still.free.free_start(Point3(-8, 0, 1.5)), 0.0}, true, {}}};
+  const SurfaceSituation situation = still.situation(robots);
+  const std::vector<IncompleteElement> elements(situation.goals.begin(), situation.goals.end());
+  const ViewFrustum& frustum = situation.space().frustum;
+  const VoxelStateMap& states = situation.belief.observed();
+  std::vector<Viewpoint> views;
+  for (const double x : {-8.0, -7.5, -3.0, 100.0})
+    views.push_back({.configuration = {Point3(x, 0, 1.5), 0.4}, .targets = {}});
+  std::vector<ViewpointCluster> clusters(3);
+  clusters[0].views = {0, 1};
+  clusters[1].views = {2};
+  clusters[2].views = {3};  // shows nothing
+  const auto gains = [&](auto gain) {
+    gain({views, elements, frustum, situation}, clusters);
+    std::vector<double> found;
+    for (const ViewpointCluster& c : clusters) found.push_back(c.gain);
+    return found;
+  };
+  const auto together = [](auto a, const auto& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    std::sort(a.begin(), a.end());
+    return static_cast<double>(std::unique(a.begin(), a.end()) - a.begin());
+  };
+  const auto expected = [&](const auto& g, double one) {
+    const auto seen = seen_from_all(g, views);
+    return std::vector<double>{one * together(seen[0], seen[1]),
+                               one * static_cast<double>(seen[2].size()), 0.5 * one};
+  };
+  const auto check = [](const std::vector<double>& a, const std::vector<double>& b) {
+    for (std::size_t i = 0; i < a.size(); ++i) CHECK_NEAR(a[i], b[i], 1e-12);
+    CHECK(a[0] > a[2] && a[1] > a[2]);
+  };
+  const double share = 1.0 / static_cast<double>(elements.size());
+  ElementsInSight ending;
+  ending.ends_at_unknown = true;
+  check(gains(ElementsInSight{}),
+        expected(IncompleteSurfaceGain(elements, states, frustum), share));
+  check(
+      gains(ending),
+      expected(IncompleteSurfaceGain(elements, states, frustum, {.unknown_blocks = true}), share));
+  check(gains(UnknownInSight{}), expected(UnknownVolumeGain(states, frustum), 0.027));
 }
 
 TEST(a_single_cluster_is_made_finer_for_a_team) {

@@ -62,7 +62,7 @@ struct StillMission {
   Team team{{}};
   const VoxelStateMap& states = belief.known();
   const FreeSpace& free = belief.space(0).free;
-  LazyPrmStar& roadmap = belief.space(0).roadmap;
+  const LazyPrmStar& roadmap = belief.space(0).roadmap;
   const std::vector<IncompleteElement>& work = belief.goals();
   const PinholeCamera& camera = belief.space(0).kind.camera;
   const Pose& mount = belief.space(0).kind.T_body_camera;

@@ -90,6 +90,12 @@ TourPlannerOptions tour_options() {
 }
 
 TEST(two_robots_reconstruct_a_box_by_tsga) { fly(2, TsgaPlanner(tour_options()), 1, 0.98); }
+TEST(two_robots_reconstruct_a_box_by_gain_of_volume_a_metre) {
+  fly(2,
+      TourPlanner<GreedyAllocator<>, KeepAllocation, MergeNearby, RatioUtility, UnknownInSight>(
+          tour_options()),
+      1, 0.98);
+}
 TEST(three_robots_reconstruct_a_box_by_even_tours) {
   fly(3, MakespanPlanner(tour_options()), 1, 0.98);
 }

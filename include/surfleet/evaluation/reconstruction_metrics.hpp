@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -36,30 +37,33 @@ inline double half_voxel_diagonal(double voxel_size) {
 }
 
 struct EvaluationOptions {
-  double e_max = 0.2598;          ///< A reference point is covered by surface this near [m].
-  double density = 0.0;           ///< Points per m² on sampled meshes; 0: about 8 a cylinder.
-  double projection_scale = 0.0;  ///< M3C2's d [m]; 0: the voxel that e_max belongs to, 2/√3 e_max.
-  double normal_scale = 0.0;      ///< M3C2's D [m], for normals not given; 0: twice d.
-  double max_depth = 0.0;         ///< M3C2's cylinder to either side [m]; 0: 2 e_max.
-  double max_distance = 0.0;      ///< Mean and 95 % distances count no more than this; 0: no limit.
-  bool sided = true;              ///< Coverage and M3C2 ask for the side that points are seen from.
+  double e_max = 0.2598;  ///< A reference point is covered by surface this near [m].
+  /// Points per m² on sampled meshes; nothing: about 8 a cylinder of M3C2.
+  std::optional<double> density{};
+  /// M3C2's d [m]; nothing: the voxel that e_max belongs to, 2/√3 e_max.
+  std::optional<double> projection_scale{};
+  std::optional<double> normal_scale{};  ///< M3C2's D [m], for normals not given; nothing: 2 d.
+  std::optional<double> max_depth{};     ///< M3C2's cylinder to either side [m]; nothing: 2 e_max.
+  /// What mean and 95 % distances count a distance as at most [m].
+  double max_distance = std::numeric_limits<double>::infinity();
+  bool sided = true;  ///< Coverage and M3C2 ask for the side that points are seen from.
   std::uint64_t seed = 1;
   int threads = 1;
 
   double cylinder_diameter() const {
-    return projection_scale > 0.0 ? projection_scale : 2.0 / std::numbers::sqrt3 * e_max;
+    return projection_scale.value_or(2.0 / std::numbers::sqrt3 * e_max);
   }
   double sampling_density() const {
     const double d = cylinder_diameter();
-    return density > 0.0 ? density : 32.0 / (std::numbers::pi * d * d);
+    return density.value_or(32.0 / (std::numbers::pi * d * d));
   }
-  double depth() const { return max_depth > 0.0 ? max_depth : 2.0 * e_max; }
+  double depth() const { return max_depth.value_or(2.0 * e_max); }
   /// How far off a part of the reconstruction that faces a point is looked for [m].
   double coverage_reach() const { return 3.0 * e_max; }
 };
 
 /// The figures, SI units. What cannot be measured (an empty reconstruction) is NaN, coverage 0;
-/// completeness then is `max_distance`, where that is set.
+/// completeness then is `max_distance`, where that is finite.
 struct ReconstructionMetrics {
   /// Share of the reference points that have some part of the reconstruction within e_max that
   /// faces the side they are seen from (`oriented_coverage.hpp`).
@@ -130,10 +134,9 @@ inline std::vector<double> distances_to(const MeasuredSurface& surface,
       256);
   return distance;
 }
-/// Mean and 95 % of distances, none counted as more than `limit` (0: as they are).
+/// Mean and 95 % of distances, none counted as more than `limit`.
 inline std::pair<double, double> mean_and_p95(std::vector<double> distance, double limit) {
-  if (limit > 0.0)
-    for (double& d : distance) d = std::min(d, limit);
+  for (double& d : distance) d = std::min(d, limit);
   const double p95 = percentile(distance, 0.95);
   return {moments(distance).mean(), p95};
 }
@@ -175,7 +178,7 @@ inline ReconstructionEvaluation evaluate(const PointCloud& reference_points,
 
   const double d = options.cylinder_diameter();
   e.m3c2 = m3c2(reference_points, reference.cloud(), reconstruction.cloud(),
-                {.normal_scale = options.normal_scale > 0.0 ? options.normal_scale : 2.0 * d,
+                {.normal_scale = options.normal_scale.value_or(2.0 * d),
                  .projection_scale = d,
                  .max_depth = options.depth(),
                  .sided = options.sided,

@@ -316,9 +316,8 @@ class Agent {
     std::vector<Point3> standing;
     for (const auto& [id, mate] : heard_)
       if (retired_ && polyline_length(mate.path) < kStanding) standing.push_back(mate.position);
-    const double gap = traffic_.options.clearance + 2.0 * traffic_.options.least_gap;
     return way_around(space(), body_->estimate().position, goal, standing,
-                      2.0 * kind().body_radius + gap);
+                      2.0 * kind().body_radius + traffic_.options.standing_gap());
   }
   bool is_home() const { return (body_->estimate().position - home_.position).norm() < kHome; }
   double way_home(const Point3& from) const {

@@ -18,6 +18,7 @@ struct OptimisticLatticeOptions;
 struct Path;
 class PathFollower;
 class ReachableSet;
+class ReachFrom;
 struct ShortcutOptions;
 struct Sphere;
 class TangentBug;

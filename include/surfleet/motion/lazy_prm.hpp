@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/core/assert.hpp>
 #include <surfleet/geometry/graph.hpp>
 #include <surfleet/motion/cell_sample.hpp>
 #include <surfleet/motion/free_space.hpp>
@@ -25,32 +27,37 @@
 
 namespace surfleet {
 struct LazyPrmOptions {
-  double spacing = 2.0;  ///< One sample a cube of this edge [m]; halve it for shorter paths.
+  double spacing = 2.0;  ///< One sample a cube of this edge at first [m].
+  /// What a cube that obstacles reach into has with time.
+  std::size_t samples = 4;
+  std::size_t growth = 16;  ///< Samples that an update adds at most.
   std::uint64_t seed = 1;
   /// How far a query may start from free space, and first fly back to it [m].
   double escape_distance = 2.0;
   ShortcutOptions shortcut{};
 };
 
-/// A path from every node of a roadmap to its neighbours; infinite where it is known to be blocked.
+/// A path from every node of a roadmap to its neighbours.
 struct RoadmapArc {
   std::int32_t to = 0;
-  std::uint32_t checked = 0;  ///< Epoch of the last check; 0 if it was never checked.
-  double length = 0.0;        ///< [m]
+  mutable std::uint32_t checked = 0;  ///< Epoch of the last check; 0 if it was never checked.
+  mutable double length = 0.0;        ///< Infinite where it is known to be blocked [m].
 };
 
-/// A roadmap of stratified samples over the free space.
+/// A roadmap of stratified samples over the free space, which becomes denser with time.
 ///
 /// Every cube of edge `spacing` that has room holds one sample: the first free of a few jittered
-/// tries, else its roomiest free voxel, so that narrow places are not missed. Samples closer than
-/// the connection radius of PRM* (Karaman and Frazzoli 2011, k = e(1 + 1/d) log n at this density)
-/// are neighbours. Edges are checked when a candidate path asks for them (Hauser 2015), and the
-/// answer is kept until the free space changes nearby. Where the samples fail although the voxel
-/// lattice is connected, the lattice's own path is taken and joins the roadmap: a query finds a
-/// path exactly when `reachable` says there is one.
+/// tries, else its roomiest free voxel, so that narrow places are not missed. Cubes that obstacles
+/// reach into are given more, some with every update, so that paths get shorter. Samples closer
+/// than the connection radius of PRM* (Karaman and Frazzoli 2011, k = e(1 + 1/d) log n) at the
+/// density of where they are put are neighbours. Edges are checked when a candidate path asks for
+/// them (Hauser 2015), and the answer is kept until the free space changes nearby. Where the
+/// samples fail although the voxel lattice is connected, the lattice's own path is taken: a query
+/// finds a path exactly when `reachable` says there is one.
 ///
-/// Repair after a map update is O(changed blocks). The same seed and the same history of updates
-/// and queries give the same paths. The free space must outlive the roadmap. Models
+/// `update` costs O(changed blocks + growth). The same seed and the same history of updates give
+/// the same paths, whatever was asked before: queries leave no trace but what they found out of
+/// edges. They are not for concurrent use. The free space must outlive the roadmap. Models
 /// `WeightedGraph`.
 class LazyPrmStar {
  public:
@@ -63,6 +70,8 @@ class LazyPrmStar {
     require(
         options.spacing > 0.0 && std::isfinite(options.spacing),
         "roadmap spacing " + std::to_string(options.spacing) + " m: expected a positive length");
+    require(options.samples > 0 && options.growth > 0,
+            "roadmap samples and growth: expected at least 1");
     const Box3& bounds = space.options().bounds;
     const double cube = options.spacing * options.spacing * options.spacing;
     const double n = bounds.isEmpty() ? 1e4 : std::clamp(bounds.volume() / cube, 1e2, 1e7);
@@ -75,82 +84,36 @@ class LazyPrmStar {
   const LazyPrmOptions& options() const { return options_; }
   const ReachableSet& reachable_set() const { return reachable_; }
   double connection_radius() const { return radius_; }
-  /// Brings roadmap and components up to date; every query does so first.
+  /// Brings roadmap and components up to date with the free space, and adds samples. Queries want
+  /// it after every change of the free space.
   void update() {
-    reachable_.update();
-    const auto changed = space_->changed_since(cursor_);
-    if (changed.empty()) return;
-    cursor_ = space_->revision();
-    ++epoch_;
-    // Cells whose sample may have come or gone, and nodes an edge of which may have become free.
-    std::vector<VoxelIndex> touched;
-    for (const std::uint32_t slot : changed) {
-      const Box3 box = space_->influence(slot);
-      const VoxelIndex lo = cells_.index_of(box.min()), hi = cells_.index_of(box.max());
-      for_each_index(lo, hi, [&](const VoxelIndex& c) {
-        Cell& cell = cells_.ensure(c);
-        if (cell.stamp == epoch_) return;
-        cell.stamp = epoch_;
-        touched.push_back(c);
-      });
-    }
-    for (const VoxelIndex& c : touched) repair(c);
-    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(0.5 * radius_);
-    const int rings = static_cast<int>(std::ceil(reach.x() / options_.spacing));
-    for (const VoxelIndex& c : touched)
-      for_each_index(c - VoxelIndex::Constant(rings), c + VoxelIndex::Constant(rings),
-                     [&](const VoxelIndex& n) {
-                       if (const Cell* cell = cells_.find(n); cell != nullptr)
-                         for (const std::int32_t id : cell->nodes) forget_blocked(id);
-                     });
+    follow();
+    grow();
+  }
+  /// Adds samples until all cubes have theirs: for a space that is known from the beginning.
+  void densify() {
+    while (!sparse_.empty()) grow();
   }
 
-  /// What a robot at one place can reach; holds until the free space changes. Not for concurrent
-  /// use.
-  class Reach {
-   public:
-    /// The robot's place; beside what has turned out to be an obstacle, the way out of it.
-    const Point3& start() const { return start_; }
-    /// Whether a path exists; O(1).
-    bool operator()(const Point3& b) const { return gate(b) || is_visible(b); }
-
-   private:
-    friend class LazyPrmStar;
-    Reach(const ReachableSet& set, const Point3& start, double distance)
-        : set_(&set), start_(start), home_(set.component(start)), distance_(distance) {}
-    bool is_visible(const Point3& b) const { return set_->space().is_free_segment(start_, b); }
-    /// From where the lattice leads to `b`: the start, or what a straight line joins to it.
-    std::optional<Point3> gate(const Point3& b) const {
-      const auto component = set_->component(b);
-      if (!component) return std::nullopt;
-      if (component == home_) return start_;
-      if (!entrances_) entrances_ = set_->entrances(start_, distance_);
-      for (const ReachableSet::Entrance& e : *entrances_)
-        if (e.component == *component) return e.position;
-      return std::nullopt;
-    }
-    const ReachableSet* set_;
-    Point3 start_;
-    std::optional<std::int32_t> home_;
-    double distance_;
-    mutable std::optional<std::vector<ReachableSet::Entrance>> entrances_;  // when first needed
-  };
+  using Reach = ReachFrom;
   /// O(1), and O(voxels within `escape_distance`) when first asked for another component.
-  Reach reach_from(const Point3& a) {
-    update();
+  Reach reach_from(const Point3& a) const {
+    SURFLEET_ASSERT(cursor_ == space_->revision(), "the roadmap follows the free space");
     return {reachable_, space_->free_start(a, options_.escape_distance), options_.escape_distance};
   }
 
   /// A short free path from `a` to `b`; nothing if there is none. If `a` is not free, the path
   /// starts by leaving for the nearest free place; from a place too narrow for the voxel lattice,
   /// straight for one that is not.
-  std::optional<Path> query(const Point3& a, const Point3& b) { return query(a, reach_from(a), b); }
+  std::optional<Path> query(const Point3& a, const Point3& b) const {
+    return query(a, reach_from(a), b);
+  }
 
   /// Whether a path exists.
-  bool reachable(const Point3& a, const Point3& b) { return reach_from(a)(b); }
+  bool reachable(const Point3& a, const Point3& b) const { return reach_from(a)(b); }
   /// The length of a path between two configurations [m], or nothing if there is none: models
   /// `PathDistance`, so that viewpoints can be clustered by a roadmap.
-  std::optional<double> operator()(const Configuration& a, const Configuration& b) {
+  std::optional<double> operator()(const Configuration& a, const Configuration& b) const {
     const auto path = query(a.position, b.position);
     return path ? std::optional(path->length) : std::nullopt;
   }
@@ -158,7 +121,7 @@ class LazyPrmStar {
   /// Path lengths from one place to many, infinite where there is none; one search for all of them.
   /// Exact where there is a line of sight, else along the roadmap, which is a few per cent longer
   /// than the path `query` returns [m].
-  std::vector<double> distances(const Point3& from, std::span<const Point3> targets) {
+  std::vector<double> distances(const Point3& from, std::span<const Point3> targets) const {
     std::vector<double> result(targets.size(), std::numeric_limits<double>::infinity());
     const Reach reach = reach_from(from);
     const Point3& start = reach.start();
@@ -222,18 +185,20 @@ class LazyPrmStar {
     Point3 position;
     VoxelIndex cell;
     bool alive = false;
-    bool learned = false;  // from a lattice path, not a cell's own sample
     std::vector<RoadmapArc> arcs;
   };
   struct Cell {
     std::uint32_t stamp = 0;
+    bool waits = false;       // for further samples
+    std::size_t tries = 0;    // left at those
+    std::uint64_t drawn = 0;  // of them so far
     std::vector<std::int32_t> nodes;
   };
   using Attachment = std::vector<Source>;
   static constexpr double kBlocked = std::numeric_limits<double>::infinity();
 
   /// `reach` is that from `a`, of now.
-  std::optional<Path> query(const Point3& a, const Reach& reach, const Point3& b) {
+  std::optional<Path> query(const Point3& a, const Reach& reach, const Point3& b) const {
     if (!space_->is_free(b)) return std::nullopt;
     const auto visible = [this](const Point3& p, const Point3& q) {
       return space_->is_free_segment(p, q);
@@ -246,12 +211,10 @@ class LazyPrmStar {
       const auto gate = reach.gate(b);
       if (!gate) return std::nullopt;
       auto rough = search(*gate, b);
-      const bool sampled = !rough.empty();
-      if (!sampled) rough = lattice_path(reachable_, *gate, b);
+      if (rough.empty()) rough = lattice_path(reachable_, *gate, b);
       if (rough.empty()) return std::nullopt;
       if (*gate != start) rough.insert(rough.begin(), start);
       path = shortcut(std::move(rough), visible, options_.shortcut);
-      if (!sampled) learn(path.points);
     }
     if (start == a) return path;
     path.points.insert(path.points.begin(), a);
@@ -273,23 +236,66 @@ class LazyPrmStar {
   }
 
   // -- samples -----------------------------------------------------------------------------------
+  void follow() {
+    reachable_.update();
+    const auto changed = space_->changed_since(cursor_);
+    if (changed.empty()) return;
+    cursor_ = space_->revision();
+    ++epoch_;
+    // Cells whose sample may have come or gone, and nodes an edge of which may have become free.
+    std::vector<VoxelIndex> touched;
+    for (const std::uint32_t slot : changed) {
+      const Box3 box = space_->influence(slot);
+      const VoxelIndex lo = cells_.index_of(box.min()), hi = cells_.index_of(box.max());
+      for_each_index(lo, hi, [&](const VoxelIndex& c) {
+        Cell& cell = cells_.ensure(c);
+        if (cell.stamp == epoch_) return;
+        cell.stamp = epoch_;
+        touched.push_back(c);
+      });
+    }
+    for (const VoxelIndex& c : touched) repair(c);
+    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(0.5 * radius_);
+    const int rings = static_cast<int>(std::ceil(reach.x() / options_.spacing));
+    for (const VoxelIndex& c : touched)
+      for_each_index(c - VoxelIndex::Constant(rings), c + VoxelIndex::Constant(rings),
+                     [&](const VoxelIndex& n) {
+                       if (const Cell* cell = cells_.find(n); cell != nullptr)
+                         for (const std::int32_t id : cell->nodes) forget_blocked(id);
+                     });
+  }
   void repair(const VoxelIndex& c) {
     Cell& cell = cells_.ensure(c);
-    bool sampled = false;
-    for (std::size_t i = 0; i < cell.nodes.size();) {
-      const std::int32_t id = cell.nodes[i];
-      if (space_->is_free(nodes_[index(id)].position)) {
-        sampled = sampled || !nodes_[index(id)].learned;
-        ++i;
-      } else {
-        disconnect(id);
-        cell.nodes.erase(cell.nodes.begin() + static_cast<std::ptrdiff_t>(i));
-      }
-    }
-    if (sampled) return;
-    if (const auto p = cell_sample(*space_, c, options_.spacing, options_.seed)) add(*p, false);
+    std::erase_if(cell.nodes, [&](std::int32_t id) {
+      if (space_->is_free(nodes_[index(id)].position)) return false;
+      disconnect(id);
+      return true;
+    });
+    if (cell.nodes.empty())
+      if (const auto p = cell_sample(*space_, c, options_.spacing, options_.seed)) add(*p, radius_);
+    cell.tries = 4 * options_.samples;
+    if (!std::exchange(cell.waits, true)) sparse_.push_back(c);
   }
-  std::int32_t add(const Point3& p, bool learned) {
+  /// Adds the next samples to cells that obstacles reach into, each in its turn.
+  void grow() {
+    for (std::size_t added = 0; added < options_.growth && !sparse_.empty();) {
+      const VoxelIndex c = sparse_.front();
+      sparse_.pop_front();
+      Cell& cell = cells_.ensure(c);
+      cell.waits = false;
+      const std::size_t has = cell.nodes.size();
+      if (has == 0 || has >= options_.samples || is_open_cell(*space_, c, options_.spacing))
+        continue;
+      ++added;
+      const double density = static_cast<double>(has + 1);
+      if (const auto p = further_sample(*space_, c, options_.spacing, options_.seed, cell.drawn++))
+        add(*p, radius_ / std::cbrt(density));
+      if (--cell.tries == 0) continue;
+      cell.waits = true;
+      sparse_.push_back(c);
+    }
+  }
+  std::int32_t add(const Point3& p, double radius) {
     std::int32_t id;
     if (!unused_.empty()) {
       id = unused_.back();
@@ -302,8 +308,7 @@ class LazyPrmStar {
     node.position = p;
     node.cell = cells_.index_of(p);
     node.alive = true;
-    node.learned = learned;
-    for_each_near(p, radius_, [&](std::int32_t other, double d) {
+    for_each_near(p, radius, [&](std::int32_t other, double d) {
       node.arcs.push_back({other, 0, d});
       nodes_[index(other)].arcs.push_back({id, 0, d});
     });
@@ -321,11 +326,9 @@ class LazyPrmStar {
   void forget_blocked(std::int32_t id) {
     Node& node = nodes_[index(id)];
     if (std::exchange(node_stamp(id), epoch_) == epoch_) return;
-    for (RoadmapArc& arc : node.arcs)
-      if (arc.length == kBlocked) {
-        const double d = (nodes_[index(arc.to)].position - node.position).norm();
-        set(id, arc.to, {arc.to, 0, d});
-      }
+    for (const RoadmapArc& arc : node.arcs)
+      if (arc.length == kBlocked)
+        note(id, arc.to, 0, (nodes_[index(arc.to)].position - node.position).norm());
   }
   std::uint32_t& node_stamp(std::int32_t id) {
     if (node_stamps_.size() < nodes_.size()) node_stamps_.resize(nodes_.size(), 0);
@@ -333,26 +336,28 @@ class LazyPrmStar {
   }
 
   // -- edges -------------------------------------------------------------------------------------
-  RoadmapArc& arc(std::int32_t from, std::int32_t to) {
-    auto& list = nodes_[index(from)].arcs;
+  const RoadmapArc& arc(std::int32_t from, std::int32_t to) const {
+    const auto& list = nodes_[index(from)].arcs;
     return *std::find_if(list.begin(), list.end(), [to](const auto& a) { return a.to == to; });
   }
-  void set(std::int32_t a, std::int32_t b, const RoadmapArc& state) {
-    arc(a, b) = {b, state.checked, state.length};
-    arc(b, a) = {a, state.checked, state.length};
+  void note(std::int32_t a, std::int32_t b, std::uint32_t checked, double length) const {
+    for (const RoadmapArc* way : {&arc(a, b), &arc(b, a)}) {
+      way->checked = checked;
+      way->length = length;
+    }
   }
   /// Checks an edge unless that was done since the last change of the map.
-  bool check(std::int32_t a, std::int32_t b) {
-    RoadmapArc& e = arc(a, b);
+  bool check(std::int32_t a, std::int32_t b) const {
+    const RoadmapArc& e = arc(a, b);
     if (e.checked == epoch_ || e.length == kBlocked) return e.length < kBlocked;
     ++checks_;
     const bool free = space_->is_free_segment(nodes_[index(a)].position, nodes_[index(b)].position);
-    set(a, b, {b, epoch_, free ? e.length : kBlocked});
+    note(a, b, epoch_, free ? e.length : kBlocked);
     return free;
   }
   /// Checks all edges of a path. Where one is blocked, everything else at its ends is checked too,
   /// since the next candidate will try those.
-  bool check_path(const std::vector<std::int32_t>& path) {
+  bool check_path(const std::vector<std::int32_t>& path) const {
     bool free = true;
     for (std::size_t i = 1; i < path.size(); ++i) {
       if (check(path[i - 1], path[i])) continue;
@@ -375,7 +380,7 @@ class LazyPrmStar {
     }
     return seen;
   }
-  std::vector<Point3> search(const Point3& a, const Point3& b) {
+  std::vector<Point3> search(const Point3& a, const Point3& b) const {
     const Attachment sources = attach(a), gates = attach(b);
     if (sources.empty() || gates.empty()) return {};
     std::vector<double> exit(nodes_.size(), kBlocked);
@@ -405,22 +410,6 @@ class LazyPrmStar {
     }
   }
 
-  /// Puts a path's vertices, and points between them where they are far apart, into the roadmap.
-  void learn(const std::vector<Point3>& points) {
-    const auto put = [&](const Point3& p) {
-      bool known = !space_->is_free(p);
-      for_each_near(p, 1e-6, [&](std::int32_t, double) { known = true; });
-      if (!known) add(p, true);
-    };
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      put(points[i]);
-      if (i + 1 == points.size()) break;
-      const Eigen::Vector3d leg = points[i + 1] - points[i];
-      const int parts = static_cast<int>(std::ceil(leg.norm() / (0.9 * radius_)));
-      for (int k = 1; k < parts; ++k) put(points[i] + leg * (static_cast<double>(k) / parts));
-    }
-  }
-
   const FreeSpace* space_;
   LazyPrmOptions options_;
   VoxelGrid<Cell, 8> cells_;
@@ -431,7 +420,8 @@ class LazyPrmStar {
   std::vector<std::uint32_t> node_stamps_;
   std::uint32_t epoch_ = 0;
   std::uint64_t cursor_ = 0;
-  std::uint64_t checks_ = 0;
+  std::deque<VoxelIndex> sparse_;  // cells that may want more samples, in turn
+  mutable std::uint64_t checks_ = 0;
 };
 static_assert(WeightedGraph<LazyPrmStar>);
 }  // namespace surfleet

@@ -246,4 +246,34 @@ class ReachableSet {
   std::uint64_t cursor_ = 0;
   bool begun_ = false;
 };
+
+/// What a robot at one place can reach; holds until the free space changes. Not for concurrent use.
+class ReachFrom {
+ public:
+  /// From a place `start` that is free if any near it is; a place too narrow for the lattice may be
+  /// left for one within `distance` [m].
+  ReachFrom(const ReachableSet& set, const Point3& start, double distance)
+      : set_(&set), start_(start), home_(set.component(start)), distance_(distance) {}
+  const Point3& start() const { return start_; }
+  /// Whether a path exists; O(1).
+  bool operator()(const Point3& b) const { return gate(b) || is_visible(b); }
+  bool is_visible(const Point3& b) const { return set_->space().is_free_segment(start_, b); }
+  /// From where the lattice leads to `b`: the start, or what a straight line joins to it.
+  std::optional<Point3> gate(const Point3& b) const {
+    const auto component = set_->component(b);
+    if (!component) return std::nullopt;
+    if (component == home_) return start_;
+    if (!entrances_) entrances_ = set_->entrances(start_, distance_);
+    for (const ReachableSet::Entrance& e : *entrances_)
+      if (e.component == *component) return e.position;
+    return std::nullopt;
+  }
+
+ private:
+  const ReachableSet* set_;
+  Point3 start_;
+  std::optional<std::int32_t> home_;
+  double distance_;
+  mutable std::optional<std::vector<ReachableSet::Entrance>> entrances_;  // when first needed
+};
 }  // namespace surfleet

@@ -48,6 +48,9 @@ struct TrafficOptions {
   double braking = 1.5;         ///< Of the emergency stop [m/s²].
   double longest_step = 8.0;    ///< How far a robot steps aside [m].
   double cornered_time = 30.0;  ///< How long a cornered robot keeps the right of way [s].
+
+  /// Between the bodies of two that stand, for both to have come there and stay [m].
+  double standing_gap() const { return clearance + 2.0 * least_gap; }
 };
 
 namespace detail {

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -39,7 +40,8 @@ struct CoverageTourOptions {
   double spacing = 1.5;        ///< Of the lattice of candidate positions [m].
   double stop_cost = 1.0;      ///< Added to a viewpoint's insertion, so that few are taken [m].
   double max_incidence = 1.4;  ///< Greatest angle between the normal and the line of sight [rad].
-  double max_range = 0.0;      ///< Greatest depth that counts [m]; 0: the range of the camera.
+  /// Greatest depth that counts [m]; nothing: the range of the camera.
+  std::optional<double> max_range{};
   double image_spacing = 1.0;  ///< Between the looks on the way [m].
   int rounds = 3;              ///< Of dropping, re-inserting and re-ordering.
 };
@@ -115,16 +117,15 @@ template <RayCaster Caster>
 class CoverageTourPlanner {
  public:
   CoverageTourPlanner(const KnownSurface& surface, const Caster& caster, const FreeSpace& space,
-                      LazyPrmStar& roadmap, const PinholeCamera& camera, const Pose& T_body_camera,
-                      const std::vector<double>& pitches, const Configuration& start,
-                      const CoverageTourOptions& options)
+                      const LazyPrmStar& roadmap, const PinholeCamera& camera,
+                      const Pose& T_body_camera, const std::vector<double>& pitches,
+                      const Configuration& start, const CoverageTourOptions& options)
       : surface_(surface),
         space_(space),
         roadmap_(roadmap),
         start_(start),
         options_(options),
-        range_(options.max_range > 0.0 ? std::min(options.max_range, camera.max_range)
-                                       : camera.max_range),
+        range_(std::min(options.max_range.value_or(camera.max_range), camera.max_range)),
         headings_(camera, T_body_camera, pitches),
         targets_(targets_of(surface), MeshSight<Caster>(caster), headings_,
                  {.max_range = range_, .max_incidence = options.max_incidence, .by_depth = true}) {}
@@ -375,7 +376,7 @@ class CoverageTourPlanner {
 
   const KnownSurface& surface_;
   const FreeSpace& space_;
-  LazyPrmStar& roadmap_;
+  const LazyPrmStar& roadmap_;
   Configuration start_;
   CoverageTourOptions options_;
   double range_, goal_ = 0.0;
@@ -399,7 +400,7 @@ class CoverageTourPlanner {
 /// O(candidates · samples in view) for the sightings and O(stops · candidates) for the choice.
 template <RayCaster Caster>
 CoverageTour plan_coverage_tour(const KnownSurface& surface, const Caster& caster,
-                                const FreeSpace& space, LazyPrmStar& roadmap,
+                                const FreeSpace& space, const LazyPrmStar& roadmap,
                                 const PinholeCamera& camera, const Configuration& start,
                                 const CoverageTourOptions& options = {},
                                 const Pose& T_body_camera = forward_camera_mount(),

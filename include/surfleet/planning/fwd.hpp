@@ -6,6 +6,7 @@
 namespace surfleet {
 struct CoverageTour;
 struct CoverageTourOptions;
+struct ElementsInSight;
 class Interest;
 struct InterestOptions;
 struct KindSpace;
@@ -28,5 +29,7 @@ struct TeamTourOptions;
 struct TeamTourStop;
 struct TourPlannerOptions;
 struct TourStart;
+struct UnknownInSight;
 class ViewsInVain;
+struct ViewsToValue;
 }  // namespace surfleet

@@ -13,6 +13,7 @@
 
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/viewpoint/space_look.hpp>
+#include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
 /// Sends a robot to look at the unknown space that a body needs on its way: the look of the most
@@ -20,7 +21,7 @@ namespace surfleet {
 /// asked for again. For one mission.
 class OpeningLooks {
  public:
-  int max_looks = 3;  ///< At a piece of space before it is given up.
+  int max_looks = kViewsInVain;  ///< At a piece of space before it is given up.
 
   /// A look for a robot at `from`, or beside it at `start`, which is free; not the look it has just
   /// made. `way` begins at the last place known to be free, where the robot could be already.
@@ -45,7 +46,7 @@ class OpeningLooks {
     std::vector<SpaceLooks::Wanted> list;
     for (const auto& [cell, worth] : wanted) list.push_back({cell, worth});
     SpaceLooks::Search search(looks_, lattice, std::move(list), space.map(),
-                              situation.space().headings, kSight * range);
+                              situation.space().headings, kUsefulRange * range);
     const Point3& last = way.front();
     const double direct = (last - start).norm();
     const auto look =
@@ -61,7 +62,6 @@ class OpeningLooks {
 
  private:
   static constexpr double kAhead = 0.75;    ///< So much of the way is to be opened, over the range.
-  static constexpr double kSight = 0.85;    ///< Farthest look that counts, over the range.
   static constexpr double kAside = 1.0;     ///< Looks may be so far off the way, over the range.
   static constexpr double kStopCost = 2.0;  ///< What a look costs beside its flight [m].
   static constexpr double kFalloff = 0.3;   ///< Space d metres ahead counts 1 / (1 + d kFalloff).

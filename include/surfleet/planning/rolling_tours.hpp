@@ -24,19 +24,20 @@
 #include <surfleet/planning/opening_look.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/team_tour.hpp>
+#include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
 struct RollingToursOptions {
   InterestOptions interest;
-  double view_range = 0.85;       ///< Farthest view that counts, over the camera's range.
-  double stop_share = 0.125;      ///< What a stop costs beside its flight, over the range.
-  double turn_cost = 0.1;         ///< What turning costs [m/rad].
-  double keep = 1.3;              ///< See `TeamTourOptions`.
-  double balance = 0.3;           ///< The same.
-  int stops = 10;                 ///< Of each robot's tour.
-  double spacing_share = 0.15;    ///< Lattice spacing over the camera's range.
-  OptimisticLatticeOptions ways;  ///< What ways cost that are not known.
-  double unknown_gain = 0.7;      ///< Of a view from unknown space, over that of one from known.
+  double view_range = kUsefulRange;  ///< Farthest view that counts, over the camera's range.
+  double stop_share = 0.125;         ///< What a stop costs beside its flight, over the range.
+  double turn_cost = 0.1;            ///< What turning costs [m/rad].
+  double keep = 1.3;                 ///< See `TeamTourOptions`.
+  double balance = 0.3;              ///< The same.
+  int stops = 10;                    ///< Of each robot's tour.
+  double spacing_share = 0.15;       ///< Lattice spacing over the camera's range.
+  OptimisticLatticeOptions ways;     ///< What ways cost that are not known.
+  double unknown_gain = 0.7;         ///< Of a view from unknown space, over that of one from known.
   /// So far beside their places stops may be for a shorter way, over the range.
   double slack = 0.2;
   double utility_share = 0.2;  ///< A new plan is wanted when so much of a route is complete.

@@ -41,9 +41,7 @@ struct SurfaceBeliefOptions {
 struct KindSpace {
   RobotKind kind;
   FreeSpace free;
-  /// Its answers are functions of the free space and of the paths asked for before; not for
-  /// concurrent use.
-  mutable LazyPrmStar roadmap;
+  LazyPrmStar roadmap;    ///< Not for concurrent use.
   HeadingTable headings;  ///< Of the kind's camera on its mount.
   ViewFrustum frustum;
 
@@ -132,7 +130,10 @@ class SurfaceBelief {
     observed_.update(map_);
     flyable_.update(map_);
     incomplete_.update(known_);
-    for (const auto& space : spaces_) space->free.update();
+    for (const auto& space : spaces_) {
+      space->free.update();
+      space->roadmap.update();
+    }
     goals_stale_ = true;
   }
   /// See `LookLedger`.

@@ -16,6 +16,7 @@
 #include <surfleet/allocation/greedy_allocator.hpp>
 #include <surfleet/allocation/hamiltonian_path.hpp>
 #include <surfleet/allocation/improve_allocation.hpp>
+#include <surfleet/planning/cluster_gain.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/revealing_look.hpp>
@@ -104,11 +105,7 @@ struct TourPlannerOptions {
   /// Where a team has fewer clusters than this for each robot, they are made finer, as far as there
   /// are views: a single one cannot be shared. The published method has no such bound.
   std::size_t least_clusters = 0;
-  /// Whether rays that tell what a view is worth end at the first voxel that is not empty [000
-  /// §2.4.3]; if not, they pass what is unknown.
-  bool sight_ends_at_unknown = false;
-  ExponentialUtility utility;  ///< λ_tc and λ_ic.
-  StopDistance cost;           ///< Of the way to each viewpoint; the published one is its length.
+  StopDistance cost;  ///< Of the way to each viewpoint; the published one is its length.
   /// Whether robots that are on their way keep their route, and only those without get a new one
   /// from the work nobody has; else every call plans for all.
   bool asynchronous = false;
@@ -122,21 +119,28 @@ struct TourPlannerOptions {
 
 /// Viewpoints at the incomplete surface, made fewer, clustered, valued by ray casting, allocated to
 /// the robots and put in order by maximum-utility open paths: with the default allocator TSGA, with
-/// the rule `NearestNeighbour` NNB. `Improve` is a second step over the whole plan.
+/// the rule `NearestNeighbour` NNB. `Improve` is a second step over the whole plan, `Utility`
+/// weighs what a cluster is worth by `Gain` against the way to it and through it.
 template <typename Allocator = GreedyAllocator<>, typename Improve = KeepAllocation,
-          ViewSelector Select = MergeNearby>
+          ViewSelector Select = MergeNearby, UtilityPolicy Utility = ExponentialUtility,
+          ClusterGain Gain = ElementsInSight>
 class TourPlanner {
  public:
   TourPlannerOptions options;
   Allocator allocate;
   Improve improve;
   Select select;
+  Utility utility;  ///< With `ExponentialUtility`, λ_tc and λ_ic.
+  Gain gain;
 
-  explicit TourPlanner(TourPlannerOptions o = {}, Allocator a = {}, Improve i = {}, Select s = {})
+  explicit TourPlanner(TourPlannerOptions o = {}, Allocator a = {}, Improve i = {}, Select s = {},
+                       Utility u = {}, Gain g = {})
       : options(std::move(o)),
         allocate(std::move(a)),
         improve(std::move(i)),
-        select(std::move(s)) {}
+        select(std::move(s)),
+        utility(std::move(u)),
+        gain(std::move(g)) {}
 
   Plan operator()(const SurfaceSituation& situation) {
     Plan result;
@@ -169,9 +173,12 @@ class TourPlanner {
     const std::vector<Box3> changed =
         changed_(situation.belief.known(), situation.belief.observed(), situation.space().free);
     viewpoints_.forget(changed);
-    seen_.forget(changed);
+    gain.forget(changed);
     revealed_.forget(changed);
-    if (options.asynchronous && options.exclusive) seen_ = revealed_ = {};  // others' work returns
+    if (options.asynchronous && options.exclusive) {  // others' work returns
+      gain.reset();
+      revealed_ = {};
+    }
     ViewpointGenerator generate(
         situation.belief.observed(), situation.space().kind.camera,
         {.distance = options.distance, .T_body_camera = situation.space().kind.T_body_camera});
@@ -188,11 +195,7 @@ class TourPlanner {
     const ViewAccess access(reach, views);
     std::vector<ViewpointCluster> clusters =
         share_out(access, views, situation.space().roadmap, serve.size());
-    const IncompleteSurfaceGain gain(elements, situation.belief.observed(), frustum,
-                                     {.unknown_blocks = options.sight_ends_at_unknown});
-    const auto seen =
-        seen_(views, elements, frustum, [&](const Configuration& q) { return gain.seen(q); });
-    assign_gains(gain, seen, clusters);
+    gain({views, elements, frustum, situation}, clusters);
     using Place = ViewAccess::Place;
     std::vector<ConfigurationCluster<Place>> nodes;
     for (const ViewpointCluster& c : clusters) {
@@ -201,15 +204,14 @@ class TourPlanner {
         node.configurations.push_back(
             {.configuration = views[static_cast<std::size_t>(v)].configuration, .view = v});
       }
-      // Every view was made for an element in its sight, so only a merged one can be worth nothing.
-      node.gain = std::max(c.gain, 0.5 / static_cast<double>(elements.size()));
+      node.gain = c.gain;
       nodes.push_back(std::move(node));
     }
     std::vector<Place> origins;
     for (const Configuration& s : starts)
       origins.push_back({.configuration = s, .robot = static_cast<std::int32_t>(origins.size())});
-    const ClusterGraph<Place, ExponentialUtility, ViewAccess::Distance, LinKernighan> graph(
-        std::move(nodes), std::move(origins), {options.utility}, {&access, options.cost},
+    const ClusterGraph<Place, Utility, ViewAccess::Distance, LinKernighan> graph(
+        std::move(nodes), std::move(origins), {utility}, {&access, options.cost},
         {.search = {.max_iterations = kKicksInside}, .quick_bound = true});
     const FleetPlan plan = improve(graph, allocate(graph));
     for (std::size_t k = 0; k < serve.size(); ++k) {
@@ -233,8 +235,8 @@ class TourPlanner {
 
   /// Clusters, at half the radii time after time until there are enough for so many robots.
   std::vector<ViewpointCluster> share_out(const ViewAccess& access,
-                                          std::span<const Viewpoint> views, LazyPrmStar& roadmap,
-                                          std::size_t robots) const {
+                                          std::span<const Viewpoint> views,
+                                          const LazyPrmStar& roadmap, std::size_t robots) const {
     const std::size_t wanted =
         robots > 1 ? std::min(options.least_clusters * robots, views.size()) : 0;
     ClusterOptions finer = options.clusters;
@@ -288,7 +290,7 @@ class TourPlanner {
   // The map is asked only about what has changed since the last call.
   ChangedRegions changed_;
   ViewpointMemory viewpoints_;
-  SightMemory seen_, revealed_;
+  SightMemory revealed_;
 };
 
 /// TSGA [000 Alg. 2] and NNB [000 Alg. 4], and what goes beyond them: an improvement step after the

@@ -13,15 +13,15 @@
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/viewpoint/space_look.hpp>
+#include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
 struct SpaceLooksOptions {
-  double distance = 4.7;        ///< δ_pose: where elements would be looked at from [m].
-  double spacing_share = 0.15;  ///< Lattice spacing over the camera's range.
-  double sight_share = 0.85;    ///< Farthest look that counts, over the camera's range.
-  double stop_cost = 1.0;       ///< What a stop costs beside its flight [m].
-  int max_looks = 3;            ///< Looks at a piece of space before it is given up.
-  int least_cells = 10;         ///< Of two voxels each way, that a look must show.
+  double distance = 4.7;         ///< δ_pose: where elements would be looked at from [m].
+  double spacing_share = 0.15;   ///< Lattice spacing over the camera's range.
+  double stop_cost = 1.0;        ///< What a stop costs beside its flight [m].
+  int max_looks = kViewsInVain;  ///< Looks at a piece of space before it is given up.
+  int least_cells = 10;          ///< Of two voxels each way, that a look must show.
   /// Elements without a view that are worth it, over the most that were ever left to do at once.
   double least_share = 0.1;
 };
@@ -69,7 +69,7 @@ class WithSpaceLooks {
     const FreeSpace& space = situation.space().free;
     FlightLattice<FreeSpace> lattice(space, space.options().bounds, options.spacing_share * range);
     SpaceLooks::Search search(looks_, lattice, std::move(wanted), situation.belief.observed(),
-                              situation.space().headings, options.sight_share * range);
+                              situation.space().headings, kUsefulRange * range);
     for (const RobotState& robot : situation.team) {
       const auto look =
           search.best(space.free_start(robot.at.position), {.least = least},

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -102,8 +103,9 @@ class IncompleteSurfaceGain {
 };
 
 struct UnknownVolumeOptions {
-  int stride = 16;         ///< Between pixels that a ray is cast for [px].
-  double max_depth = 0.0;  ///< Along the optical axis [m]; 0: the camera's farthest depth.
+  int stride = 16;  ///< Between pixels that a ray is cast for [px].
+  /// Along the optical axis [m]; nothing: the camera's farthest depth.
+  std::optional<double> max_depth{};
 };
 
 /// The unknown voxels that rays through every `stride`-th pixel pass before they meet the surface;
@@ -117,7 +119,7 @@ class UnknownVolumeGain {
       : map_(&map), frustum_(frustum), options_(options) {
     require(options.stride > 0, "ray stride: expected one pixel or more");
     const PinholeCamera& c = frustum.camera();
-    const double depth = options.max_depth > 0.0 ? options.max_depth : c.max_range;
+    const double depth = options.max_depth.value_or(c.max_range);
     require(depth < 1e6 * map.voxel_size(), "depth: expected less than a million voxels");
     for (int v = options.stride / 2; v < c.height; v += options.stride)
       for (int u = options.stride / 2; u < c.width; u += options.stride)

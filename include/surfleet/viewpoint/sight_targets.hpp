@@ -10,6 +10,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -241,7 +242,8 @@ class MeshSight {
 };
 
 struct TargetSightOptions {
-  double max_range = 0.0;      ///< Farthest useful look [m]; 0 stands for the camera's range.
+  /// Of the farthest useful view [m]; nothing: the camera's range.
+  std::optional<double> max_range{};
   double max_incidence = 1.4;  ///< Greatest angle between the normal and the line of sight [rad].
   bool by_depth = false;       ///< `max_range` is a depth, as the camera's range is.
 };
@@ -257,7 +259,7 @@ class SightTargets {
       : targets_(std::move(targets)),
         sight_(std::move(sight)),
         headings_(&headings),
-        reach_((options.max_range > 0.0 ? options.max_range : headings.range()) *
+        reach_(options.max_range.value_or(headings.range()) *
                (options.by_depth ? headings.stretch() : 1.0)),
         rows_({.voxel_size = reach_ / kRows}) {
     for (int k = 0; options.by_depth && k + 1 < HeadingTable::kShells; ++k) {

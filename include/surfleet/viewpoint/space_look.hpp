@@ -15,6 +15,7 @@
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
+#include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
 /// The space of a map in cells of two voxels each way; a cell is what its first voxel is. Remembers
@@ -61,7 +62,7 @@ class SpaceCells {
 /// Looks at cells of unknown space. What stays unknown after some looks is left alone.
 class SpaceLooks {
  public:
-  int max_looks = 3;  ///< At a cell before it is given up.
+  int max_looks = kViewsInVain;  ///< At a cell before it is given up.
 
   struct Wanted {
     SpaceCells::Cell cell;

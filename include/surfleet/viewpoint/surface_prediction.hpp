@@ -34,9 +34,9 @@ struct SurfaceFrame {
 };
 
 struct PredictionOptions {
-  double reach = 5.0;  ///< How far the surface is continued [m].
-  double step = 0.0;   ///< Edge of the patches [m]; 0: two voxels.
-  int window = 2;      ///< Half the side of the cube of voxels that frames are fitted to [voxels].
+  double reach = 5.0;            ///< How far the surface is continued [m].
+  std::optional<double> step{};  ///< Edge of the patches [m]; nothing: two voxels.
+  int window = 2;  ///< Half the side of the cube of voxels that frames are fitted to [voxels].
   double spread =
       radians(30.0);  ///< Lanes also leave the tangent by this angle to both sides [rad].
   Box3 region = {};   ///< Patches are kept inside it [m]; an empty box means everywhere.
@@ -256,7 +256,7 @@ class SurfacePredictor {
 
   void begin(const VoxelStateMap& map, const PredictionOptions& o) {
     const double voxel = map.voxel_size();
-    const double step = o.step > 0.0 ? o.step : 2.0 * voxel;
+    const double step = o.step.value_or(2.0 * voxel);
     require(o.reach > 0.0 && std::isfinite(o.reach) && o.reach <= 1e4 * step,
             "surface prediction: expected a reach of more than 0 and at most 10 000 steps");
     const bool other = map_ != &map || step != step_ || o.reach != options_.reach ||

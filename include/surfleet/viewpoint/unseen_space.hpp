@@ -17,12 +17,13 @@
 #include <surfleet/core/types.hpp>
 #include <surfleet/mapping/voxel_grid.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
+#include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
 struct UnseenSpaceOptions {
-  int max_looks = 3;           ///< In vain, after which a cell is given up.
-  double prior_chance = 0.25;  ///< That a cell holds surface, before any was opened.
-  double prior_cells = 20.0;   ///< Cells' worth of experience that this counts as.
+  int max_looks = kViewsInVain;  ///< In vain, after which a cell is given up.
+  double prior_chance = 0.25;    ///< That a cell holds surface, before any was opened.
+  double prior_cells = 20.0;     ///< Cells' worth of experience that this counts as.
 };
 
 /// The border of unseen space in a region, in cells: what a surface that stands by itself, behind

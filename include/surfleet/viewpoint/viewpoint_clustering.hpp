@@ -40,9 +40,9 @@ struct ViewpointCluster {
 struct ClusterOptions {
   double radius = 2.0;      ///< d_ν: paths shorter than this join viewpoints [m].
   double max_radius = 5.0;  ///< d_ν^max: up to which a viewpoint alone looks for company [m].
-  /// Farthest from a cluster's first viewpoint, straight [m]; 0: any. Those who would be alone join
+  /// Farthest from a cluster's first viewpoint, straight [m]. Those who would be alone join
   /// the nearest all the same.
-  double max_extent = 0.0;
+  double max_extent = std::numeric_limits<double>::infinity();
 };
 
 /// Puts every viewpoint in exactly one cluster [000 §2.4.3].
@@ -85,9 +85,7 @@ std::vector<ViewpointCluster> cluster_viewpoints(std::span<const Viewpoint> view
       near.clear();
       cells.for_each_within(position(i), options.radius, [&](std::int32_t j, double) {
         const auto k = static_cast<std::size_t>(j);
-        if (cluster_of[k] == kNone &&
-            (options.max_extent <= 0.0 ||
-             (position(k) - position(first)).norm() <= options.max_extent))
+        if (cluster_of[k] == kNone && (position(k) - position(first)).norm() <= options.max_extent)
           near.push_back(j);
       });
       std::sort(near.begin(), near.end());

@@ -32,10 +32,11 @@
 
 namespace surfleet {
 struct ViewpointOptions {
-  double distance = 4.7;       ///< δ_pose: from the element to the camera [m].
-  double min_distance = 0.0;   ///< Nearest that is tried [m]; 0: the camera's nearest depth.
-  double max_distance = 0.0;   ///< Farthest that is tried [m]; 0: the camera's farthest depth.
-  double distance_step = 0.5;  ///< Between distances that are tried [m].
+  double distance = 4.7;      ///< δ_pose: from the element to the camera [m].
+  double min_distance = 0.0;  ///< Nearest that is tried [m], if the camera sees as near.
+  /// Farthest that is tried [m]; nothing: as far as the camera's farthest depth.
+  std::optional<double> max_distance{};
+  double distance_step = 0.5;         ///< Between distances that are tried [m].
   double max_angle = radians(100.0);  ///< Largest between n̄_v and the line of sight [rad].
   double angle_step = radians(15.0);  ///< Between lines of sight that are tried [rad].
   double margin =
@@ -117,7 +118,7 @@ class ViewLines {
 /// The distances to try, the preferred one first, then outwards from it.
 inline std::vector<double> view_distances(const PinholeCamera& camera, const ViewpointOptions& o) {
   const double low = std::max(o.min_distance, camera.min_range);
-  const double high = o.max_distance > 0.0 ? o.max_distance : camera.max_range * std::sqrt(2.0);
+  const double high = o.max_distance.value_or(camera.max_range * std::sqrt(2.0));
   std::vector<double> d;
   if (o.distance >= low && o.distance <= high) d.push_back(o.distance);
   for (int i = 1; o.distance - i * o.distance_step > low || o.distance + i * o.distance_step < high;
@@ -248,7 +249,7 @@ class ViewpointGenerator {
   static const ViewpointOptions& checked(const ViewpointOptions& o) {
     require(o.distance > 0.0 && std::isfinite(o.distance),
             "viewpoint distance: expected a positive length");
-    require(std::isfinite(o.min_distance) && std::isfinite(o.max_distance),
+    require(std::isfinite(o.min_distance) && std::isfinite(o.max_distance.value_or(0.0)),
             "viewpoint distance: expected finite bounds");
     require(o.distance_step > 0.01 && o.angle_step > 0.01 && o.max_tries > 0,
             "viewpoint steps: expected more than 1 cm, more than 0.01 rad and at least one try");

@@ -21,20 +21,16 @@ inline constexpr double kMapUpdate = 0.1;
 inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
   TourPlannerOptions tours;
   tours.distance = s.standoff;
-  tours.clusters = {
-      .radius = s.cluster_radius, .max_radius = s.cluster_max_radius, .max_extent = 0.0};
+  tours.clusters = {.radius = s.cluster_radius, .max_radius = s.cluster_max_radius};
   tours.by_path = s.cluster_by_path;
-  tours.sight_ends_at_unknown = true;
-  tours.utility = {.lambda_tc = s.lambda_tc, .lambda_ic = s.lambda_ic};
   tours.asynchronous = true;
   tours.replan.utility_share = s.utility_share.value_or(s.printed_share);
   return tours;
 }
-/// With bounded clusters, sight through what is unknown, and plans for all at once.
+/// With bounded clusters, and plans for all at once.
 inline TourPlannerOptions own_tours(const PlannerSettings& s) {
   TourPlannerOptions tours = printed_tours(s);
   tours.clusters.max_extent = 2.0 * s.cluster_max_radius;
-  tours.sight_ends_at_unknown = false;
   tours.asynchronous = false;
   tours.replan.utility_share = s.utility_share;
   return tours;
@@ -54,6 +50,8 @@ SURFLEET_INLINE AnyPlanner make_planner(std::string_view name, const PlannerSett
   const NamedPlanner& named = planner_by_name(name);
   const auto made = [&](auto planner) {
     if constexpr (requires { planner.select.merge; }) planner.select.merge = settings.merge;
+    planner.utility = {.lambda_tc = settings.lambda_tc, .lambda_ic = settings.lambda_ic};
+    planner.gain.ends_at_unknown = named.as_printed;
     if (named.as_printed) return AnyPlanner(std::move(planner));
     return AnyPlanner(
         WithSpaceLooks(std::move(planner), SpaceLooksOptions{.distance = settings.standoff}));
