@@ -383,8 +383,11 @@ TEST(clusters_are_worth_what_their_views_show) {
   const ViewFrustum& frustum = situation.space().frustum;
   const VoxelStateMap& states = situation.belief.observed();
   std::vector<Viewpoint> views;
-  for (const double x : {-8.0, -7.5, -3.0, 100.0})
-    views.push_back({.configuration = {Point3(x, 0, 1.5), 0.4}, .targets = {}});
+  for (const Configuration& q :
+       {Configuration{Point3(-8.0, 2.0, 0.9), 0.0}, Configuration{Point3(-7.6, 2.3, 0.9), 0.1},
+        Configuration{Point3(-2.0, 2.0, 0.9), kPi},
+        Configuration{Point3(0.6, 0.6, 1.5), 0.0}})  // in a pillar
+    views.push_back({.configuration = q, .targets = {}});
   std::vector<ViewpointCluster> clusters(3);
   clusters[0].views = {0, 1};
   clusters[1].views = {2};
