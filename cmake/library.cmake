@@ -32,7 +32,7 @@ function(surfleet_adapter name package library)
   set(targets ${targets} surfleet_${name} PARENT_SCOPE)
 endfunction()
 
-surfleet_adapter(fcl fcl fcl fcl_body.hpp fcl_mesh_judge.hpp)
+surfleet_adapter(fcl fcl fcl fcl_body.hpp fcl_body_judge.hpp fcl_mesh_judge.hpp)
 surfleet_adapter(embree embree embree embree_ray_caster.hpp)
 surfleet_adapter(png PNG PNG::PNG png_depth.hpp png_reader.hpp png_writer.hpp)
 surfleet_adapter(zstd zstd zstd::libzstd_shared zstd_codec.hpp)

@@ -16,12 +16,15 @@
 #include "support/peak_memory.hpp"
 #include "support/recorded_world.hpp"
 
+#include <surfleet/adapters/fcl_body_judge.hpp>
 #include <surfleet/adapters/zstd_codec.hpp>
 #include <surfleet/evaluation/observable_surface.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
+#include <surfleet/geometry/mesh_primitives.hpp>
 #include <surfleet/mapping/map_file.hpp>
 #include <surfleet/mapping/surface_mesh.hpp>
 #include <surfleet/mapping/surface_points.hpp>
+#include <surfleet/simulation/body_judge.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
 #include <surfleet/simulation/marker_sight.hpp>
 #include <surfleet/simulation/scenes.hpp>
@@ -66,6 +69,7 @@ Scene open_scene(const InspectionSettings& s) {
     o.ground = s.ground;
     o.standoff = std::max(s.farthest, 3.0 * s.radius);
     o.radius = s.radius;
+    o.depth = s.depth();
     o.margin = s.margin;
     o.start_clearance = s.known_around_start();
     o.floor = s.floor;
@@ -86,7 +90,7 @@ Scene open_scene(const InspectionSettings& s) {
   require(s.keep_out.distance(scene.station.position) >= s.radius,
           "--keep-out: the start is in a box or beside it; expected a --start with " +
               std::to_string(s.radius) + " m around it");
-  if (s.floor) set_floor(scene, *s.floor, s.radius);
+  if (s.floor) set_floor(scene, *s.floor, s.depth());
   return scene;
 }
 
@@ -161,6 +165,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   kind.camera = site.camera;
   kind.T_body_camera = s.T_body_camera();
   kind.pitches = s.pitches();
+  if (s.shape) s.shape->give_to(kind);
   kind.body_radius = s.radius;
   kind.margin = s.margin;
   kind.unknown_margin = s.unknown_margin;
@@ -169,7 +174,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   kind.keep_out = site.scene.keep_out;
   if (site.scene.has_ground)
     kind.bounds.min().z() =
-        std::max(kind.bounds.min().z(), site.scene.ground_z + s.radius + s.margin);
+        std::max(kind.bounds.min().z(), site.scene.ground_z + s.depth() + s.margin);
   o.belief.voxel_size = s.voxel;
   o.belief.known_weight = s.known_weight;
   o.belief.observed_share = planner_by_name(s.planner).observed_share();
@@ -315,6 +320,27 @@ void end_of_lost(std::vector<std::vector<Point3>>& paths, std::span<const RobotI
 }
 }  // namespace
 
+namespace {
+/// Puts what befell the true shape in the place of what would have befallen the ball around it.
+void judge_shape(const InspectionSettings& s, const InspectionSite& site, const InspectionRun& run,
+                 InspectionJudgement& judged) {
+  std::vector<std::vector<Configuration>> flown;
+  for (const auto& trajectory : run.result.trajectories) {
+    flown.emplace_back();
+    for (const TimedConfiguration& t : trajectory) flown.back().push_back(t.configuration);
+  }
+  const FclBody body = s.shape->judged();
+  judge_bodies(FclBodyJudge(site.judge, body), flown, s.shape->radius(), judged.paths);
+  judged.keep_out_violations = 0;
+  for (const Box3& box : site.scene.keep_out.boxes) {
+    const MeshJudge closed(make_box(box));
+    JudgeReport report;
+    judge_bodies(FclBodyJudge(closed, body), flown, s.shape->radius(), report);
+    judged.keep_out_violations += report.collisions_with_scene;
+  }
+}
+}  // namespace
+
 InspectionJudgement judge_inspection(const InspectionSettings& s, const InspectionSite& site,
                                      const InspectionRun& run) {
   const AgreeingJudges both(site.judge, site.space.surface());
@@ -327,6 +353,7 @@ InspectionJudgement judge_inspection(const InspectionSettings& s, const Inspecti
   judged.disagreements = both.disagreements();
   judged.keep_out_violations =
       judge_paths(site.scene.keep_out, present, s.radius).collisions_with_scene;
+  if (s.shape) judge_shape(s, site, run, judged);
   judged.coverage_of_met = coverage_of_met(s, site, run.map, judged.evaluation);
   if (!run.points.points.empty()) {
     const TriangleMesh structure = site.scene.structure();

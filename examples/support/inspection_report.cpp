@@ -123,6 +123,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
       {"images", run.result.images},
       {"plans", run.result.plans},
       {"emergency_stops", run.result.emergency_stops}};
+  if (s.shape) metrics["body"] = s.body;
   if (run.distributed)
     metrics.update(network_metrics(s, *run.distributed));
   else if (s.robots > 1)

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "support/body_shape.hpp"
 #include "support/cli.hpp"
 
 #include <surfleet/core/error.hpp>
@@ -49,6 +50,8 @@ struct InspectionSettings : MissionPreset {
   std::optional<double> gimbal_pitch;  ///< [deg]; nothing: `tilt_of_views`.
   double rate = 4.0;
   std::vector<double> start, bounds;
+  std::string body;                       ///< What `shape` is of; empty: a ball of `radius`.
+  std::optional<BodyShape> shape;         ///< Of a drone's body, in the ball of `radius`.
   std::optional<double> start_clearance;  ///< [m]; nothing: `known_around_start`.
   std::optional<double> floor;            ///< [m]; −∞: none; nothing: the scene's own.
   KeepOut keep_out;
@@ -79,6 +82,8 @@ struct InspectionSettings : MissionPreset {
     return forward_camera_mount(radians(camera_pitch),
                                 Point3(camera_mount[0], camera_mount[1], camera_mount[2]));
   }
+  /// How far a drone's body reaches below its position [m].
+  double depth() const { return shape ? shape->half.z() : radius; }
   /// So that the images of a gimbal's views border on each other [deg].
   double tilt_of_views() const {
     return gimbal_pitch.value_or(std::min(fov[1], kMostTilt - std::abs(camera_pitch)));
@@ -202,6 +207,10 @@ class InspectionOptions {
     app.add("--radius", settings.radius, "of a drone's body [m]");
     app.add("--margin", settings.margin, "kept beyond the body [m]");
     if (explores) {
+      app.add("--body", settings.body,
+              "its shape, which may go where a ball does not fit: ellipsoid:A,B,C (semi-axes "
+              "forward, left, up [m]) or box:L,W,H (edges); default a ball of the radius, which "
+              "else is that of the ball around it");
       app.add("--acceleration", settings.limits.acceleration, "of a drone [m/s^2]");
       app.add("--unknown-margin", settings.unknown_margin,
               "the same from what is unknown [m]; as a rule a voxel");
@@ -297,6 +306,16 @@ class InspectionOptions {
     keep("--voxel", &InspectionSettings::voxel);
     keep("--radius", &InspectionSettings::radius);
     keep("--margin", &InspectionSettings::margin);
+    if (!s.body.empty()) {
+      s.shape = parse_body_shape(s.body);
+      const double around = s.shape->radius();
+      require(!app_.was_given("--radius") || s.radius >= around * (1.0 - 1e-6),
+              "--radius: expected that of a ball around --body, " + std::to_string(around) +
+                  " m, or more");
+      s.radius = app_.was_given("--radius") ? std::max(s.radius, around) : around;
+      require(s.radius <= 20.0 * s.voxel,
+              "--body " + s.body + ": expected less than 20 voxels to every side");
+    }
     keep("--unknown-margin", &InspectionSettings::unknown_margin);
     if (!app_.was_given("--unknown-margin"))
       s.unknown_margin = std::min(s.margin, std::max(s.unknown_margin, s.voxel));

@@ -7,6 +7,7 @@
 
 #include <surfleet/mapping/block_bits.hpp>
 #include <surfleet/mapping/distance_transform.hpp>
+#include <surfleet/mapping/grown_voxels.hpp>
 #include <surfleet/mapping/look_notes.hpp>
 #include <surfleet/mapping/map_file.hpp>
 #include <surfleet/mapping/map_patch.hpp>

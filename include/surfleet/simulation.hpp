@@ -6,6 +6,7 @@
 #include <surfleet/simulation/fwd.hpp>
 
 #include <surfleet/simulation/agreeing_judges.hpp>
+#include <surfleet/simulation/body_judge.hpp>
 #include <surfleet/simulation/catch_up.hpp>
 #include <surfleet/simulation/climbing_scenes.hpp>
 #include <surfleet/simulation/depth_camera.hpp>

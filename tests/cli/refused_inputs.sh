@@ -58,6 +58,10 @@ refused drone_inspection --scene house --floor low --out out
 refused drone_inspection --scene house --floor 1.5 --out out
 refused drone_inspection --scene house --floor 90 --out out
 refused drone_inspection --scene house --keep-out 1 2 3 --out out
+for body in ellipsoid ellipsoid:1,2 ellipsoid:1,0,1 box:1,2,3,4 box:1,nan,1 box:9,9,9 cube:1,1,1; do
+  refused drone_inspection --scene house --body $body --out out
+done
+refused drone_inspection --scene house --radius 0.2 --body ellipsoid:0.6,0.6,0.2 --out out
 refused drone_inspection --scene house --keep-out 1 1 1 0 0 0 --out out
 refused drone_inspection --scene house --keep-out -2 -8 0 2 -6 4 --out out
 echo 'robotss = 7' >misspelt.toml

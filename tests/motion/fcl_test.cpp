@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/adapters/fcl_body.hpp>
+#include <surfleet/adapters/fcl_body_judge.hpp>
 #include <surfleet/adapters/fcl_mesh_judge.hpp>
 
 #include <fcl/geometry/shape/box.h>
@@ -12,6 +13,7 @@
 #include <surfleet/motion/body_check.hpp>
 #include <surfleet/motion/free_space.hpp>
 
+#include "body_scenes.hpp"
 #include "check.hpp"
 #include "motion_scenes.hpp"
 
@@ -89,4 +91,52 @@ TEST(judge_on_the_nasty_shelf) {
   const MeshJudge judge(mesh);
   CHECK(judge.triangle_count() == 2);
   CHECK(std::isfinite(judge.distance({0, 0, 0})));
+}
+
+TEST(fcl_bodies_are_swept_as_our_own) {
+  const SweptBody ours = SweptBody::of(EllipsoidBody{{0.6, 0.3, 0.2}});
+  const SweptBody theirs =
+      SweptBody::of(FclBody(std::make_shared<fcl::Ellipsoidd>(0.6, 0.3, 0.2), 0.2));
+  CHECK(theirs.radius() < 0.63);
+  for (double r = 0.01; r < 0.55; r += 0.01) {
+    const SweptBody::Ring a = ours.between(r, r), b = theirs.between(r, r);
+    CHECK_NEAR(a.high, b.high, 0.04);
+    CHECK_NEAR(a.low, b.low, 0.04);
+    CHECK(b.high >= 0.2 * std::sqrt(1.0 - r * r / 0.36));
+  }
+}
+
+TEST(a_flat_fcl_box_goes_through_a_slot_that_its_ball_does_not_fit_into) {
+  check_slot(FclBody(std::make_shared<fcl::Boxd>(1.0, 0.6, 0.24)), 16, 0.3);
+}
+
+TEST(a_body_s_distance_to_a_mesh) {
+  TriangleMesh mesh = make_box(Box3(Point3(-9, -4, -4), Point3(1, 4, 4)));
+  for (const bool sliver : {false, true}) {
+    if (sliver) {  // a bar without area before the wall, far to the side
+      const auto n = static_cast<std::int32_t>(mesh.vertices.size());
+      for (const double z : {-4.0, 4.0, 0.0}) mesh.vertices.push_back(Point3(1.5, 3.0, z));
+      mesh.triangles.push_back({n, n + 1, n + 2});
+    }
+    const MeshJudge judge(mesh);
+    const FclBodyJudge ellipsoid(judge,
+                                 FclBody(std::make_shared<fcl::Ellipsoidd>(0.6, 0.3, 0.2), 0.2));
+    const FclBodyJudge flat(judge, FclBody(std::make_shared<fcl::Boxd>(1.0, 0.4, 0.2), 0.1));
+    Random random(8);
+    for (int i = 0; i < 200; ++i) {
+      const double x = random.uniform(1.0, 4.0), y = random.uniform(-2.0, 1.5);
+      const Configuration q{Point3(x, y, random.uniform(-2.0, 2.0)), random.uniform(-kPi, kPi)};
+      const double c = std::abs(std::cos(q.yaw)), s = std::abs(std::sin(q.yaw));
+      const double reach = std::hypot(0.6 * c, 0.3 * s), half = 0.5 * c + 0.2 * s;
+      if (sliver && x > 1.7) continue;
+      CHECK_NEAR(ellipsoid.distance(q), std::max(0.0, x - 1.0 - reach), 1e-4);
+      CHECK_NEAR(flat.distance(q), std::max(0.0, x - 1.0 - half), 1e-4);
+    }
+    if (sliver) {
+      CHECK_NEAR(flat.distance({Point3(2.0, 3.0, 0.0), kPi / 2}), 0.3, 1e-4);
+      CHECK(flat.distance({Point3(2.0, 3.0, 0.0), 0.0}) == 0.0);
+    }
+  }
+  const MeshJudge none(TriangleMesh{});
+  CHECK(std::isinf(FclBodyJudge(none, FclBody(std::make_shared<fcl::Boxd>(1, 1, 1))).distance({})));
 }

@@ -32,6 +32,7 @@ class FclBody {
     bounding_ = geometry_->aabb_center.norm() + geometry_->aabb_radius;
   }
 
+  const std::shared_ptr<Geometry>& geometry() const { return geometry_; }
   double inscribed_radius() const { return inscribed_; }
   double bounding_radius() const { return bounding_; }
   bool touches(const Configuration& q, const Sphere& ball) const {

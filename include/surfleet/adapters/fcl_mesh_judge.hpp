@@ -109,6 +109,29 @@ class MeshJudge {
     }
     return !thin_->objects.empty() && thin_->collides(body, at);
   }
+  /// Distance from any FCL geometry at the pose `T_world_body` to the surface [m], 0 where they
+  /// touch; infinite for a mesh without triangles. O(log triangles + slivers).
+  double distance(const fcl::CollisionGeometryd& body, const Pose& T_world_body) const {
+    double least = std::numeric_limits<double>::infinity();
+    if (triangles_ == 0) return least;
+    if (collides(body, T_world_body)) return 0.0;
+    Pose at = T_world_body;
+    at.translation() -= center_;
+    if (flat_->num_tris > 0) {
+      const fcl::DistanceRequestd request;
+      fcl::DistanceResultd result;
+      fcl::distance(flat_.get(), Pose::Identity(), &body, at, request, result);
+      least = std::max(0.0, result.min_distance);
+    }
+    for (const auto& edge : thin_->objects) {
+      const fcl::DistanceRequestd request;
+      fcl::DistanceResultd result;
+      fcl::distance(edge->collisionGeometry().get(), edge->getTransform(), &body, at, request,
+                    result);
+      least = std::min(least, std::max(0.0, result.min_distance) + kRadius);
+    }
+    return least;
+  }
   /// Those that are held: all with finite corners.
   std::size_t triangle_count() const { return triangles_; }
   /// Those of them that are held as edges.

@@ -75,7 +75,7 @@ class DistributedAgent {
         redundant_(RedundancyCheck{options.redundancy}) {
     requests_.least_gain = options.least_gain;
     belief_.add_known_free(0, {agent.home.value_or(body.estimate()).position, start_clearance});
-    belief_.add_known_free(0, {body.estimate().position, kind.body_radius});
+    belief_.add_known_free(0, {body.estimate().position, kind.inscribed_radius()});
     belief_.update();
     sync_.distance = [this, &body](RobotId mate) {
       const auto last = relay_.last_of(mate, now_);

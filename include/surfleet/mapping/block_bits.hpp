@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief A bit for each voxel of a block: what differs between two blocks, and growth by a ball.
+/// @brief A bit for each voxel of a block: what differs between two blocks.
 #pragma once
 
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -34,41 +33,5 @@ inline VoxelSpan difference(const BlockBits& a, const BlockBits& b) {
         VoxelIndex(static_cast<int>(std::bit_width(diff)) - 1, row % kBitsSide, row / kBitsSide));
   }
   return span;
-}
-
-/// A block and its 26 neighbours, x fastest; null where nothing is set.
-using BlockNeighborhood = std::array<const BlockBits*, 27>;
-
-/// Sets in `bits` the voxels of the middle block within `radius` voxels, less than 8, of one that
-/// is set in the neighbourhood. O(radius²) for each row.
-inline void add_grown(const BlockNeighborhood& near, double radius, BlockBits& bits) {
-  // Rows of the block and its neighbours, three blocks long.
-  constexpr int kSpan = 3 * kBitsSide;
-  std::array<std::uint32_t, kSpan * kSpan> rows{};
-  for (int row = 0; row < kSpan * kSpan; ++row) {
-    const int y = row % kSpan, z = row / kSpan;
-    for (int x = 0; x < 3; ++x)
-      if (const BlockBits* b =
-              near[static_cast<std::size_t>(x + 3 * (y / kBitsSide) + 9 * (z / kBitsSide))])
-        rows[static_cast<std::size_t>(row)] |=
-            static_cast<std::uint32_t>(
-                (*b)[static_cast<std::size_t>(y % kBitsSide + kBitsSide * (z % kBitsSide))])
-            << (kBitsSide * x);
-  }
-  const int most = static_cast<int>(radius);
-  for (int dz = -most; dz <= most; ++dz)
-    for (int dy = -most; dy <= most; ++dy) {
-      const double rest = radius * radius - dy * dy - dz * dz;
-      if (rest < 0.0) continue;
-      const int spread = static_cast<int>(std::sqrt(rest));
-      for (int row = 0; row < kBitsSide * kBitsSide; ++row) {
-        const int y = row % kBitsSide + kBitsSide + dy, z = row / kBitsSide + kBitsSide + dz;
-        const std::uint32_t from = rows[static_cast<std::size_t>(y + kSpan * z)];
-        std::uint32_t to = from;
-        for (int k = 1; k <= spread; ++k) to |= from << k | from >> k;
-        std::uint8_t& own = bits[static_cast<std::size_t>(row)];
-        own = static_cast<std::uint8_t>(own | (to >> kBitsSide & 0xFF));
-      }
-    }
 }
 }  // namespace surfleet

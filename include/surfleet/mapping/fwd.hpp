@@ -5,6 +5,7 @@
 
 namespace surfleet {
 struct ConstantWeight;
+class GrownVoxels;
 struct InverseSquareWeight;
 struct LookNotes;
 struct MapFileOptions;

@@ -19,14 +19,15 @@
 #include <utility>
 #include <vector>
 
-#include <surfleet/mapping/block_bits.hpp>
 #include <surfleet/mapping/distance_transform.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/collision_body.hpp>
 #include <surfleet/motion/free_space_options.hpp>
+#include <surfleet/motion/obstacle_voxels.hpp>
 
 namespace surfleet {
-/// Free-space queries for a ball-shaped body over a map's voxel states.
+/// Free-space queries for a robot's body over a map's voxel states. The body is a ball, or of any
+/// shape: then a position is free where the body fits whatever its heading.
 ///
 /// An obstacle is an occupied voxel and, by setting, an unknown one. A position is free when the
 /// centre of every obstacle voxel is at least `required_distance()` away. Why that is safe: a
@@ -58,7 +59,8 @@ class FreeSpace {
       : map_(&map),
         options_(options),
         lengths_(map.voxel_size(), options),
-        distances_(map.voxel_size(), lengths_.reach, options.unknown_is_obstacle) {
+        distances_(map.voxel_size(), lengths_.reach, options.unknown_is_obstacle),
+        obstacles_(map, options, lengths_) {
     const double h = map.voxel_size();
     const double free_distance = (lengths_.required + lengths_.excess) / h;
     free_squared_ = static_cast<std::int16_t>(std::ceil(free_distance * free_distance));
@@ -67,7 +69,6 @@ class FreeSpace {
       for_each_index(Grid::block_of(grid().index_of(options_.bounds.min())),
                      Grid::block_of(grid().index_of(options_.bounds.max())),
                      [&](const BlockIndex& b) { distances_.mark_changed(distances_.ensure(b)); });
-    add_keep_out();
     update();
   }
 
@@ -77,42 +78,18 @@ class FreeSpace {
   /// Kept between the body and every obstacle voxel's centre, occupied ones grown [m].
   double obstacle_margin() const { return lengths_.margin; }
   /// Least distance from a free position to an obstacle voxel's centre: radius, obstacle margin and
-  /// the slack of stepping along segments [m].
-  double required_distance() const { return lengths_.required; }
+  /// the slack of stepping along segments; for a body that is no ball, from which on none is in the
+  /// way, whatever its direction [m].
+  double required_distance() const { return lengths_.outer; }
 
   /// Takes what is unknown in `ball` for empty: the place a robot stands in at the start, which its
   /// camera never sees. Occupied voxels stay obstacles. A body fits in the middle from a radius of
   /// `required_distance()` plus two voxels on. Takes effect with the next `update`.
-  void add_known_free(const Sphere& ball) {
-    known_free_.push_back(ball);
-    const Eigen::Vector3d r = Eigen::Vector3d::Constant(ball.radius);
-    const BlockIndex lo = Grid::block_of(grid().index_of(ball.center - r));
-    const BlockIndex hi = Grid::block_of(grid().index_of(ball.center + r));
-    for_each_index(lo, hi, [&](const BlockIndex& b) { pending_.push_back(b); });
-  }
+  void add_known_free(const Sphere& ball) { obstacles_.add_known_free(ball); }
 
   /// Follows the map. Returns the number of blocks whose distances changed.
   std::size_t update() {
-    std::vector<BlockIndex> stale;
-    for (const std::uint32_t slot : map_->grid().changed_since(cursor_)) {
-      stale.push_back(map_->grid().block(slot).index);
-      if (lengths_.growth > 0.0) follow_occupied(BlockIndex(stale.back()), stale);
-    }
-    cursor_ = map_->grid().revision();
-    stale.insert(stale.end(), pending_.begin(), pending_.end());
-    pending_.clear();
-    if (lengths_.growth > 0.0) {  // A block is named by many.
-      const auto before = [](const BlockIndex& a, const BlockIndex& b) {
-        return key_of(a) < key_of(b);
-      };
-      std::sort(stale.begin(), stale.end(), before);
-      stale.erase(std::unique(stale.begin(), stale.end()), stale.end());
-    }
-    for (const BlockIndex& b : stale) {
-      BlockBits bits = obstacle_bits(b);
-      block_keep_out(b, bits);
-      distances_.set(b, bits);
-    }
+    obstacles_.update(distances_);
     const std::vector<std::uint32_t> changed = distances_.update();
     for (std::size_t slot = free_.size(); slot < grid().block_count(); ++slot)
       free_.push_back(free_bits_of(static_cast<std::uint32_t>(slot)));
@@ -218,10 +195,10 @@ class FreeSpace {
   }
 
   /// Distance from `p` to what the body must not touch [m]: obstacle voxel centres less the margin.
-  /// From below where the body fits; deep inside it may be a tenth of a voxel too large. Negative
-  /// beside an obstacle, truncated at about two voxels more than the radius. Takes no account of
-  /// the bounds.
-  double clearance(const Point3& p) const { return probe().slack(p) + options_.radius; }
+  /// From below where the body fits, far below for one that is no ball; deep inside it may be a
+  /// tenth of a voxel too large. Negative beside an obstacle, truncated at about two voxels more
+  /// than the radius. Takes no account of the bounds.
+  double clearance(const Point3& p) const { return probe().slack(p) + lengths_.body.radius; }
 
   /// Voxel centres where the body fits, at most `max_distance` away and the nearest first.
   /// O(n log n) in the voxels within that distance.
@@ -294,124 +271,13 @@ class FreeSpace {
     return Box3(lo - Point3::Constant(0.5 * h), lo + Point3::Constant((kSide + 0.5) * h));
   }
   std::size_t memory_bytes() const {
-    return distances_.memory_bytes() + occupied_.size() * sizeof(BlockBits) +
-           free_.size() * sizeof(FreeBits);
+    return distances_.memory_bytes() + obstacles_.memory_bytes() + free_.size() * sizeof(FreeBits);
   }
 
   /// Whether a voxel is an obstacle, by the settings and the known-free balls; occupied ones grown.
-  bool is_obstacle(const VoxelIndex& v) const { return distances_.is_obstacle(v); }
+  bool is_obstacle(const VoxelIndex& v) const { return obstacles_.contains(distances_, v); }
 
  private:
-  BlockBits obstacle_bits(const BlockIndex& index) const {
-    BlockBits bits{};
-    const auto* block = map_->grid().find_block(index);
-    if (block == nullptr) {
-      bits = distances_.outside_bits();
-    } else {
-      for (std::size_t row = 0; row < 64; ++row) {
-        unsigned b = 0;
-        for (std::size_t x = 0; x < 8; ++x) {
-          const VoxelState s = block->voxels[row * 8 + x];
-          b |= static_cast<unsigned>(s == VoxelState::occupied ||
-                                     (s == VoxelState::unknown && options_.unknown_is_obstacle))
-               << x;
-        }
-        bits[row] = static_cast<std::uint8_t>(b);
-      }
-    }
-    if (!options_.unknown_is_obstacle) return bits;
-    const double h = voxel_size();
-    const Point3 first = grid().center(index * kSide);
-    const Box3 box(first, first + Point3::Constant((kSide - 1) * h));
-    for (const Sphere& ball : known_free_) {
-      if (box.squaredExteriorDistance(ball.center) > ball.radius * ball.radius) continue;
-      for (std::size_t o = 0; o < 512; ++o) {
-        if (block != nullptr && block->voxels[o] != VoxelState::unknown) continue;
-        const Point3 c =
-            first + h * Point3(static_cast<double>(o % 8), static_cast<double>(o / 8 % 8),
-                               static_cast<double>(o / 64));
-        if ((c - ball.center).squaredNorm() <= ball.radius * ball.radius)
-          bits[o / 8] = static_cast<std::uint8_t>(bits[o / 8] & ~(1U << (o % 8)));
-      }
-    }
-    if (lengths_.growth > 0.0) grow_occupied(index, bits);
-    return bits;
-  }
-
-  /// How near a box of `keep_out` voxel centres are obstacles: every point within the body's radius
-  /// of the box then has one within `lengths_.required`, as it has a centre within half a diagonal.
-  double keep_out_reach() const {
-    const double half_diagonal = 0.5 * std::sqrt(3.0) * voxel_size();
-    return half_diagonal + std::max(0.0, half_diagonal - lengths_.margin);
-  }
-  /// Where unknown space is free, the blocks in question must be looked at though the map has none.
-  void add_keep_out() {
-    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(keep_out_reach());
-    const Eigen::Vector3d far =
-        Eigen::Vector3d::Constant(lengths_.required + lengths_.excess + voxel_size());
-    for (const Box3& box : options_.keep_out.boxes) {
-      require(box.min().allFinite() && box.max().allFinite() && !box.isEmpty(),
-              "keep-out: expected boxes with each minimum at most its maximum");
-      Box3 near(box.min() - reach, box.max() + reach);
-      if (!options_.bounds.isEmpty())
-        near = near.intersection(Box3(options_.bounds.min() - far, options_.bounds.max() + far));
-      if (near.isEmpty()) continue;
-      for_each_index(Grid::block_of(grid().index_of(near.min())),
-                     Grid::block_of(grid().index_of(near.max())),
-                     [&](const BlockIndex& b) { pending_.push_back(b); });
-    }
-  }
-  void block_keep_out(const BlockIndex& index, BlockBits& bits) const {
-    if (options_.keep_out.empty()) return;
-    const double reach = keep_out_reach();
-    const Point3 first = grid().center(index * kSide);
-    const Box3 block(first, first + Point3::Constant((kSide - 1) * voxel_size()));
-    for (const Box3& box : options_.keep_out.boxes) {
-      if (box.exteriorDistance(block) > reach) continue;
-      for (std::size_t o = 0; o < Grid::kBlockVoxels; ++o) {
-        const Point3 c = first + voxel_size() * Point3(static_cast<double>(o % 8),
-                                                       static_cast<double>(o / 8 % 8),
-                                                       static_cast<double>(o / 64));
-        if (box.squaredExteriorDistance(c) <= reach * reach)
-          bits[o / 8] = static_cast<std::uint8_t>(bits[o / 8] | 1U << (o % 8));
-      }
-    }
-  }
-
-  /// Takes over which voxels of a block of the map are occupied, and names the blocks that what
-  /// differs is grown into.
-  void follow_occupied(const BlockIndex& index, std::vector<BlockIndex>& stale) {
-    BlockBits bits{};
-    const auto& voxels = map_->grid().find_block(index)->voxels;
-    for (std::size_t o = 0; o < Grid::kBlockVoxels; ++o)
-      bits[o / 8] = static_cast<std::uint8_t>(
-          bits[o / 8] | static_cast<unsigned>(voxels[o] == VoxelState::occupied) << (o % 8));
-    const std::uint32_t known = grid().find_slot(index);
-    const BlockBits old = known < occupied_.size() ? occupied_[known] : BlockBits{};
-    if (bits == old) return;
-    const std::uint32_t slot = distances_.ensure(index);
-    if (slot >= occupied_.size()) occupied_.resize(slot + 1);
-    occupied_[slot] = bits;
-    const VoxelSpan c = difference(bits, old);
-    const VoxelIndex origin = index * kSide;
-    const VoxelIndex r = VoxelIndex::Constant(static_cast<int>(lengths_.growth));
-    for_each_index(Grid::block_of(origin + c.lo - r), Grid::block_of(origin + c.hi + r),
-                   [&](const BlockIndex& b) { stale.push_back(b); });
-  }
-  /// Adds to a block's obstacles the voxels within the growth of an occupied one.
-  void grow_occupied(const BlockIndex& index, BlockBits& bits) const {
-    BlockNeighborhood near{};
-    bool any = false;
-    for (int n = 0; n < 27; ++n) {
-      const std::uint32_t slot =
-          grid().find_slot(index + BlockIndex(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
-      if (slot >= occupied_.size() || occupied_[slot] == BlockBits{}) continue;
-      near[static_cast<std::size_t>(n)] = &occupied_[slot];
-      any = true;
-    }
-    if (any) add_grown(near, lengths_.growth, bits);
-  }
-
   FreeBits free_bits_of(std::uint32_t slot) const {
     FreeBits bits{};
     const Grid::Block& block = grid().block(slot);
@@ -430,12 +296,9 @@ class FreeSpace {
   FreeSpaceOptions options_;
   FreeSpaceLengths lengths_;
   DistanceTransform distances_;
+  ObstacleVoxels obstacles_;
   std::int16_t free_squared_ = 0;
-  std::vector<double> root_;         // h √i
-  std::vector<BlockBits> occupied_;  // of the map, where they are grown; by slot, like the next
-  std::vector<FreeBits> free_;
-  std::vector<Sphere> known_free_;
-  std::vector<BlockIndex> pending_;
-  std::uint64_t cursor_ = 0;
+  std::vector<double> root_;    // h √i
+  std::vector<FreeBits> free_;  // by slot
 };
 }  // namespace surfleet

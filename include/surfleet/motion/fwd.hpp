@@ -6,6 +6,7 @@
 namespace surfleet {
 struct AerialLimits;
 class AerialMotion;
+struct BallCover;
 struct FollowerLimits;
 class FreeSpace;
 struct FreeSpaceOptions;
@@ -13,6 +14,7 @@ struct LazyPrmOptions;
 class LazyPrmStar;
 struct Maneuver;
 struct ObstacleCheck;
+class ObstacleVoxels;
 class OptimisticLattice;
 struct OptimisticLatticeOptions;
 struct Path;
@@ -21,6 +23,7 @@ class ReachableSet;
 class ReachFrom;
 struct ShortcutOptions;
 struct Sphere;
+class SweptBody;
 class TangentBug;
 struct TangentBugOptions;
 struct TrafficAgent;

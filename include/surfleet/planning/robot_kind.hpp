@@ -14,7 +14,9 @@
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/motion/collision_body.hpp>
 #include <surfleet/motion/kinematics.hpp>
+#include <surfleet/motion/swept_body.hpp>
 
 namespace surfleet {
 using RobotKindId = std::uint32_t;  ///< Of a kind among those of a belief, from 0 on.
@@ -22,7 +24,7 @@ using RobotKindId = std::uint32_t;  ///< Of a kind among those of a belief, from
 struct RobotKind {
   PinholeCamera camera;
   Pose T_body_camera = forward_camera_mount();
-  double body_radius = 1.0;              ///< [m]
+  double body_radius = 1.0;              ///< Of the body, or of the ball that holds its shape [m].
   std::optional<double> margin;          ///< Kept beyond the body [m]; nothing: one voxel.
   std::optional<double> unknown_margin;  ///< The same from what is unknown [m]; nothing: `margin`.
   AerialLimits limits;
@@ -31,7 +33,23 @@ struct RobotKind {
   /// By which the camera is tilted down beyond its mount in views [rad]: others than 0 take a
   /// gimbal. See `HeadingTable`.
   std::vector<double> pitches{0.0};
+  /// What of the ball of `body_radius` the body takes up, whatever its heading; nothing: all of it.
+  /// See `take_shape`. Teammates keep clear of the ball.
+  std::optional<SweptBody> shape;
 
+  /// Gives the robots a body of any shape; a ball again if that is one.
+  template <CollisionBody Body>
+  void take_shape(const Body& body) {
+    body_radius = body.bounding_radius();
+    shape.reset();
+    if (body.inscribed_radius() >= body_radius) return;
+    shape = SweptBody::of(body);
+    body_radius = shape->radius();
+  }
+  /// Of the ball that is within the body [m].
+  double inscribed_radius() const { return shape ? shape->inscribed_radius() : body_radius; }
+  /// How far the body reaches below its position [m].
+  double depth() const { return shape ? shape->depth() : body_radius; }
   bool has_gimbal() const { return pitches != std::vector<double>{0.0}; }
 };
 
@@ -61,6 +79,12 @@ inline std::uint32_t kind_number(const RobotKind& kind) {
   }
   if (kind.has_gimbal())
     for (const double p : kind.pitches) add(p);
+  if (kind.shape)
+    for (const SweptBody::Ring& ring : kind.shape->rings())
+      if (!ring.empty()) {
+        add(ring.low);
+        add(ring.high);
+      }
   return static_cast<std::uint32_t>(h);
 }
 }  // namespace surfleet

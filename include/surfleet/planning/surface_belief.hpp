@@ -51,7 +51,8 @@ struct KindSpace {
                        .bounds = kind.bounds,
                        .margin = kind.margin.value_or(voxel),
                        .unknown_margin = kind.unknown_margin.value_or(kind.margin.value_or(voxel)),
-                       .keep_out = kind.keep_out}),
+                       .keep_out = kind.keep_out,
+                       .shape = kind.shape}),
         roadmap(free, {.seed = seed}),
         headings(kind.camera, kind.T_body_camera, kind.pitches),
         frustum(kind.camera, kind.T_body_camera) {}

@@ -191,6 +191,8 @@ struct SceneOptions {
   /// where no ground and no bounds are given and the station is above it and in no room.
   std::optional<double> floor{};
   KeepOut keep_out{};  ///< Closed to robots.
+  /// How far a robot's body reaches below its centre; its radius if not given [m].
+  std::optional<double> depth{};
 };
 
 namespace detail {
@@ -255,17 +257,17 @@ inline std::optional<Point3> find_station(const Scene& scene, const SceneSpace& 
 }
 }  // namespace detail
 
-/// Keeps robots above a floor: lifts the flight space, and nothing else, to `radius` above it.
-/// Throws `Error` if the station is lower or nothing is left.
-inline void set_floor(Scene& scene, double floor, double radius) {
-  const double least = floor + radius;
-  require(!(floor > scene.bounds.max().z() - radius) && !std::isnan(floor),
+/// Keeps robots above a floor: lifts the flight space, and nothing else, to `depth` above it, how
+/// far a body reaches below its centre. Throws `Error` if the station is lower or nothing is left.
+inline void set_floor(Scene& scene, double floor, double depth) {
+  const double least = floor + depth;
+  require(!(floor > scene.bounds.max().z() - depth) && !std::isnan(floor),
           "floor " + std::to_string(floor) + ": above the flight space; expected a height below " +
-              std::to_string(scene.bounds.max().z() - radius));
+              std::to_string(scene.bounds.max().z() - depth));
   require(scene.station.position.z() >= least,
           "floor " + std::to_string(floor) + ": the start " + detail::text(scene.station.position) +
               " is lower than the body's radius above it; expected a floor of at most " +
-              std::to_string(scene.station.position.z() - radius) + " or another start");
+              std::to_string(scene.station.position.z() - depth) + " or another start");
   scene.bounds.min().z() = std::max(scene.bounds.min().z(), least);
 }
 
@@ -318,7 +320,7 @@ inline Scene scene_from_mesh(TriangleMesh mesh, const SceneOptions& options = {}
                                   scene.ground_z));
   }
   const SceneSpace space(scene.mesh);
-  const double foot = structure.min().z();
+  const double foot = structure.min().z(), depth = options.depth.value_or(options.radius);
   const Box3 whole = scene.bounds;
   const bool floor_at_foot = !options.floor && !scene.has_ground && !options.bounds;
   if (options.start) {
@@ -340,7 +342,7 @@ inline Scene scene_from_mesh(TriangleMesh mesh, const SceneOptions& options = {}
     // A station is found above the floor that there will be.
     if (floor_at_foot || options.floor)
       scene.bounds.min().z() =
-          std::max(scene.bounds.min().z(), options.floor.value_or(foot) + options.radius);
+          std::max(scene.bounds.min().z(), options.floor.value_or(foot) + depth);
     const auto found =
         scene.bounds.isEmpty()
             ? std::nullopt
@@ -352,10 +354,10 @@ inline Scene scene_from_mesh(TriangleMesh mesh, const SceneOptions& options = {}
     scene.station.position = *found;
   }
   if (options.floor) {
-    set_floor(scene, *options.floor, options.radius);
+    set_floor(scene, *options.floor, depth);
   } else if (const Point3& p = scene.station.position;
              floor_at_foot && p.z() > foot && !space.is_room(p)) {
-    set_floor(scene, std::min(foot, p.z() - options.radius), options.radius);
+    set_floor(scene, std::min(foot, p.z() - depth), depth);
   }
   const Eigen::Vector3d ahead = scene.region.center() - scene.station.position;
   if (ahead.head<2>().norm() > 1e-9) scene.station.yaw = std::atan2(ahead.y(), ahead.x());
