@@ -174,6 +174,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   o.belief.known_weight = s.known_weight;
   o.belief.observed_share = planner_by_name(s.planner).observed_share();
   o.belief.tsdf.truncation = s.truncation.value_or(3.0 * s.voxel);
+  o.belief.integrator = s.integrator();
   o.belief.looks.max_looks = s.max_looks;
   o.belief.region = site.scene.region;
   o.belief.seed = s.seed;

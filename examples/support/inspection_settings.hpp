@@ -17,6 +17,7 @@
 #include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/text_scanner.hpp>
+#include <surfleet/mapping/any_integrator.hpp>
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/planning/named_planners.hpp>
 #include <surfleet/simulation/mission.hpp>
@@ -60,6 +61,7 @@ struct InspectionSettings : MissionPreset {
   int threads = 2;
   double max_time = 7200.0;
   double known_weight = 0.3;
+  std::string weight = "inverse-square";  ///< Of an image: that or constant.
   double cluster_max_radius = 5.0;
   std::string cluster_distance = "straight";
   MergeOptions merge;
@@ -98,6 +100,13 @@ struct InspectionSettings : MissionPreset {
     return start_clearance.value_or(needed / std::sin(radians(opens)) + 1.5 * voxel);
   }
   static constexpr double kLeastOpening = 5.0;  ///< Above or below the horizon [deg].
+
+  /// Its options are those of the belief that takes it.
+  AnyIntegrator integrator() const {
+    if (weight == "constant")
+      return TsdfIntegrator({}, drop_off_by_voxels(voxel, ConstantWeight{}));
+    return TsdfIntegrator({}, drop_off_by_voxels(voxel));
+  }
 
   PlannerSettings planner_settings() const {
     PlannerSettings p;
@@ -237,6 +246,10 @@ class InspectionOptions {
     app.begin_group("Map");
     app.add("--voxel", settings.voxel, "edge of a voxel [m]");
     app.add("--known-weight", settings.known_weight, "W_th: weight of a known voxel");
+    app.add("--weight", settings.weight,
+            "of an image of a voxel z metres away: inverse-square, 1/z^2, or constant, 1; how long "
+            "drones look at surface follows from it")
+        .one_of({"inverse-square", "constant"});
     app.add("--truncation", settings.truncation, "mu of the TSDF [m]; default three voxels");
     if (explores) {
       app.begin_group("Planner");

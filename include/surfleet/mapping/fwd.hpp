@@ -4,6 +4,7 @@
 #pragma once
 
 namespace surfleet {
+class AnyIntegrator;
 struct ConstantWeight;
 struct InverseSquareWeight;
 struct LookNotes;
@@ -16,6 +17,7 @@ struct PatchFusionOptions;
 struct PatchId;
 struct PatchKey;
 struct PatchLimits;
+class PatchRecorder;
 struct PatchRecorderOptions;
 class ProjectiveUpdate;
 class RayTraversalUpdate;

@@ -2,9 +2,9 @@
 /// @file
 /// @brief Cuts what a robot sees into map patches [000 §4.4.1].
 ///
-///     PatchRecorder<DropOffWeight<>> recorder({.robot = 2, .voxel_size = 0.3});
-///     recorder.integrate(image, camera, T_world_camera);
-///     if (recorder.due()) publish(recorder.close());
+///     PatchRecorder recorder({.robot = 2, .voxel_size = 0.3}, TsdfIntegrator({.truncation =
+///     0.9})); recorder.integrate(image, camera, T_world_camera); if (recorder.due())
+///     publish(recorder.close());
 #pragma once
 
 #include <cmath>
@@ -14,8 +14,8 @@
 #include <string>
 #include <utility>
 
+#include <surfleet/mapping/any_integrator.hpp>
 #include <surfleet/mapping/map_patch.hpp>
-#include <surfleet/mapping/tsdf_integrator.hpp>
 
 namespace surfleet {
 struct PatchRecorderOptions {
@@ -28,15 +28,13 @@ struct PatchRecorderOptions {
 
 /// The open patch, an image at a time. It is a map of its own, so what one patch holds depends on
 /// its images alone.
-template <WeightPolicy Weight = InverseSquareWeight, UpdatePolicy Update = ProjectiveUpdate>
 class PatchRecorder {
  public:
-  TsdfIntegrator<Weight, Update> integrator;
+  AnyIntegrator integrator;
 
   /// Throws `Error` on options out of range.
-  explicit PatchRecorder(PatchRecorderOptions options, TsdfOptions tsdf = {}, Weight weight = {},
-                         Update update = {})
-      : integrator(tsdf, std::move(weight), std::move(update)),
+  explicit PatchRecorder(PatchRecorderOptions options, AnyIntegrator integrate = TsdfIntegrator())
+      : integrator(std::move(integrate)),
         options_(options),
         map_({.voxel_size = options.voxel_size}) {
     require(options.images > 0, "patch: expected at least one image");
