@@ -72,7 +72,7 @@ std::vector<Configuration> flown_alone(const MissionOptions& o, box_world::World
     const double now = step * o.agent.image_period;
     Agent<Body>& agent = *agents[0];
     agent.sense();
-    if (!agent.at_rest()) recorder.integrate(agent.image(), o.kind.camera, agent.camera_pose());
+    if (!agent.at_rest()) recorder.integrate(agent.reading(), o.kind.sensor(), agent.sensor_pose());
     fusion.show_open(recorder.open());
     if (recorder.due()) {
       const MapPatch patch = recorder.close();

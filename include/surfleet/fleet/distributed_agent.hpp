@@ -93,7 +93,7 @@ class DistributedAgent {
     // Who is at rest sees nothing new, and patches without end would let nobody come to an end.
     const bool works = !agent_.at_rest() && !leaving_;
     if (works) {
-      recorder_.integrate(agent_.image(), belief_.space(0).kind.camera, agent_.camera_pose());
+      recorder_.integrate(agent_.reading(), belief_.space(0).kind.sensor(), agent_.sensor_pose());
       fusion_.show_open(recorder_.open());
     }
     if (recorder_.due() || (!works && has_untold())) close_patch();

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include <surfleet/geometry/sensor_reading.hpp>
 #include <surfleet/mapping/tsdf_integrator.hpp>
 
 namespace surfleet {
@@ -47,6 +48,17 @@ class AnyIntegrator {
   std::size_t operator()(std::span<const Point3> points_sensor, double min_range, double max_range,
                          const Pose& T_world_sensor, TsdfMap& map) {
     return held_->fold(options, points_sensor, min_range, max_range, T_world_sensor, map);
+  }
+  std::size_t operator()(const LidarScan& scan, const LidarModel& lidar, const Pose& T_world_lidar,
+                         TsdfMap& map) {
+    return (*this)(scan.points, lidar.min_range, lidar.max_range, T_world_lidar, map);
+  }
+  /// What the sensor has seen from a pose of its own. Throws `Error` if it gives no such thing.
+  std::size_t operator()(const SensorReading& seen, const SensorModel& sensor,
+                         const Pose& T_world_sensor, TsdfMap& map) {
+    return visit_reading(seen, sensor, [&](const auto& s, const auto& model) {
+      return (*this)(s, model, T_world_sensor, map);
+    });
   }
   /// See `WeightPolicy`.
   double weight(double sdf, double range) const { return held_->weight(sdf, range); }

@@ -22,8 +22,8 @@ struct PatchRecorderOptions {
   RobotId robot = 0;
   std::uint32_t incarnation = 0;     ///< How often the robot was started before.
   double voxel_size = 0.3;           ///< [m]
-  std::uint32_t images = 5;          ///< A patch is due after so many,
-  std::optional<double> distance{};  ///< or, if said, once the camera has come so far [m].
+  std::uint32_t images = 5;          ///< A patch is due after so many, or scans,
+  std::optional<double> distance{};  ///< or, if said, once the sensor has come so far [m].
 };
 
 /// The open patch, an image at a time. It is a map of its own, so what one patch holds depends on
@@ -42,15 +42,16 @@ class PatchRecorder {
             "patch: expected a positive distance or none");
   }
 
-  /// Folds an image into the open patch; returns the number of changed blocks.
-  std::size_t integrate(const DepthImage& image, const PinholeCamera& camera,
-                        const Pose& T_frame_camera) {
-    const std::size_t changed = integrator(image, camera, T_frame_camera, map_);
+  /// Folds an image or a scan, or whichever of them a sensor has given, into the open patch;
+  /// returns the number of changed blocks.
+  template <typename Seen, typename Sensor>
+  std::size_t integrate(const Seen& seen, const Sensor& sensor, const Pose& T_frame_sensor) {
+    const std::size_t changed = integrator(seen, sensor, T_frame_sensor, map_);
     if (images_ == 0)
-      anchor_ = T_frame_camera;
+      anchor_ = T_frame_sensor;
     else
-      travelled_ += (T_frame_camera.translation() - last_).norm();
-    last_ = T_frame_camera.translation();
+      travelled_ += (T_frame_sensor.translation() - last_).norm();
+    last_ = T_frame_sensor.translation();
     ++images_;
     return changed;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What robots of one kind have in common: camera, body, limits, where they may be.
+/// @brief What robots of one kind have in common: sensor, body, limits, where they may be.
 #pragma once
 
 #include <bit>
@@ -13,7 +13,7 @@
 #include <surfleet/core/transport.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/keep_out.hpp>
-#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/geometry/sensor_reading.hpp>
 #include <surfleet/motion/kinematics.hpp>
 
 namespace surfleet {
@@ -31,9 +31,32 @@ struct RobotKind {
   /// By which the camera is tilted down beyond its mount in views [rad]: others than 0 take a
   /// gimbal. See `HeadingTable`.
   std::vector<double> pitches{0.0};
+  /// What it sees with in place of the camera, if anything: see `carry`.
+  std::optional<LidarModel> lidar{};
 
   bool has_gimbal() const { return pitches != std::vector<double>{0.0}; }
+  SensorModel sensor() const { return lidar ? SensorModel(*lidar) : SensorModel(camera); }
+  /// `T_world_sensor` of a body at `q`.
+  Pose sensor_pose(const Configuration& q) const {
+    if (!lidar) return camera_pose(q, T_body_camera);
+    return q.pose() * Eigen::Translation3d(T_body_camera.translation());
+  }
+  /// Whether it sees the same whatever its heading.
+  bool sees_all_around() const { return lidar.has_value(); }
 };
+
+/// Has robots of the kind see with a LiDAR that stands upright in the body, at `place` [m].
+/// Planners know cameras alone: they plan for one that looks ahead and sees a part of what the
+/// LiDAR does
+/// (`camera_within`), so that a view never promises too much; what the LiDAR sees on all other
+/// sides comes without being planned for, and agents do not turn to a view's heading. Throws
+/// `Error` for a LiDAR that is none.
+inline void carry(RobotKind& kind, const LidarModel& lidar, const Point3& place = Point3::Zero()) {
+  kind.camera = camera_within(lidar);
+  kind.T_body_camera = forward_camera_mount(0.0, place);
+  kind.pitches = {0.0};
+  kind.lidar = lidar;
+}
 
 /// The same for kinds that see and reach the same, on whatever host, and almost certainly another
 /// for others: what one robot looked for in vain, another of its kind need not try.
@@ -61,6 +84,10 @@ inline std::uint32_t kind_number(const RobotKind& kind) {
   }
   if (kind.has_gimbal())
     for (const double p : kind.pitches) add(p);
+  if (const auto& l = kind.lidar)
+    for (const double v : {static_cast<double>(l->azimuths), static_cast<double>(l->elevations),
+                           l->lowest, l->highest, l->min_range, l->max_range})
+      add(v);
   return static_cast<std::uint32_t>(h);
 }
 }  // namespace surfleet

@@ -67,8 +67,8 @@ struct KindSpace {
 };
 
 /// Map, voxel states, incomplete surface, free space and roadmap for each kind of robot, and what
-/// was looked at in vain. Fed by images at poses; everything follows the change with `update`, at a
-/// cost by what has changed.
+/// was looked at in vain. Fed by images and scans at poses; everything follows the change with
+/// `update`, at a cost by what has changed.
 class SurfaceBelief {
  public:
   using Goal = IncompleteElement;
@@ -124,10 +124,12 @@ class SurfaceBelief {
   void add_known_free(RobotKindId kind, const Sphere& ball) {
     spaces_[kind]->free.add_known_free(ball);
   }
-  /// An image that was taken from a pose. Takes effect with the next `update`.
-  void integrate(const DepthImage& image, const PinholeCamera& camera, const Pose& T_world_camera) {
+  /// An image or a scan, or whichever of them a sensor has given, from a pose of that sensor. Takes
+  /// effect with the next `update`.
+  template <typename Seen, typename Sensor>
+  void integrate(const Seen& seen, const Sensor& sensor, const Pose& T_world_sensor) {
     require(&map_ == &own_, "belief: follows a map; expected images to go into that");
-    (*options_.integrator)(image, camera, T_world_camera, own_);
+    (*options_.integrator)(seen, sensor, T_world_sensor, own_);
   }
   void update() {
     known_.update(map_);
@@ -181,8 +183,8 @@ class SurfaceBelief {
   bool is_open(const VoxelIndex& v) const {
     return incomplete_.contains(v) && !ledger_.given_up(v);
   }
-  /// Images from `at` that make the surface in a voxel known: W_th over the integrator's weight,
-  /// and no less than hits need, which weigh 1/z² whatever that is. Two more, as some err.
+  /// Images or scans from `at` that make the surface in a voxel known: W_th over the integrator's
+  /// weight, and no less than hits need, which weigh 1/z² whatever that is. Two more, as some err.
   std::size_t images_needed(const Point3& at, const VoxelIndex& v) const {
     constexpr double kMost = 1e9;
     const double z2 = (known_.grid().center(v) - at).squaredNorm();
