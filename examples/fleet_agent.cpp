@@ -171,7 +171,9 @@ class FlyingAgent {
       : id_(a.robot()),
         options_(mission_options(a.settings, site)),
         world_(site.world(a.settings)),
-        any_world_(world_),
+        lidar_world_(a.settings.has_lidar() ? std::optional(site.lidar_world(a.settings))
+                                            : std::nullopt),
+        any_world_(lidar_world_ ? AnyWorld(*lidar_world_) : AnyWorld(world_)),
         fleet_(places(a, site)),
         body_(any_world_, id_, fleet_, options_.kind.limits, options_.neighbours),
         robot_(id_, options_.kind, body_, options_.belief, agent_options(),
@@ -287,6 +289,7 @@ class FlyingAgent {
   RobotId id_;
   MissionOptions options_;
   DroneWorld<EmbreeRayCaster> world_;
+  std::optional<LidarWorld<EmbreeRayCaster>> lidar_world_;
   AnyWorld any_world_;
   std::vector<Configuration> fleet_;  // the truth
   Body body_;

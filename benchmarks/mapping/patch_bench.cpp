@@ -17,11 +17,11 @@
 namespace {
 using namespace surfleet;
 
-PatchRecorder<DropOffWeight<>> recorded(double voxel) {
+PatchRecorder recorded(double voxel) {
   const PinholeCamera camera =
       PinholeCamera::from_fov(radians(90.0), radians(60.0), 192, 111, 0.3, 8.0);
-  PatchRecorder<DropOffWeight<>> recorder({.voxel_size = voxel}, {.truncation = 3.0 * voxel},
-                                          {.full = voxel, .zero = 1.5 * voxel});
+  PatchRecorder recorder({.voxel_size = voxel},
+                         TsdfIntegrator({.truncation = 3.0 * voxel}, drop_off_by_voxels(voxel)));
   while (!recorder.due()) {
     const double shot = recorder.images();
     Configuration at{Point3(-3.5 + 0.15 * shot, -1.0, 1.4), 0.3 + 0.1 * shot};

@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   app.add("--density", density, "samples per square metre").positive();
   app.parse(argc, argv);
   InspectionSettings s = options.settle();
+  require(!s.has_lidar(), "--sensor lidar: tours are of a camera; expected that");
   s.robots = 1;
   InspectionSite site(open_scene(s), s);
   const Configuration start = site.starts(s, 1).front();

@@ -67,7 +67,7 @@ Scene open_scene(const InspectionSettings& s) {
     o.bounds = bounds;
     o.start = start;
     o.ground = s.ground;
-    o.standoff = std::max(s.farthest, 3.0 * s.radius);
+    o.standoff = std::max(s.sensor_range(), 3.0 * s.radius);
     o.radius = s.radius;
     o.depth = s.depth();
     o.margin = s.margin;
@@ -125,15 +125,23 @@ DroneWorld<EmbreeRayCaster> InspectionSite::world(const InspectionSettings& s) c
           {.noise = s.noise, .stereo = s.stereo, .body_radius = 0.5 * s.radius, .seed = s.seed}};
 }
 
+LidarWorld<EmbreeRayCaster> InspectionSite::lidar_world(const InspectionSettings& s) const {
+  return {
+      caster,
+      RotatingLidar(s.lidar, s.noise ? s.lidar_noise : 0.0),
+      {.place = s.T_body_camera().translation(), .body_radius = 0.5 * s.radius, .seed = s.seed}};
+}
+
 void InspectionSite::find_reference(const InspectionSettings& settings, const Point3& start) {
   const ReachableLattice lattice(space.surface(), {.bounds = scene.bounds,
                                                    .start = start,
                                                    .radius = settings.radius,
-                                                   .spacing = 0.1 * settings.farthest,
+                                                   .spacing = 0.1 * settings.sensor_range(),
                                                    .keep_out = scene.keep_out});
   ObservabilityOptions o;
   o.camera = camera;
   o.T_body_camera = settings.T_body_camera();
+  if (settings.has_lidar()) o.lidar = settings.lidar;
   o.threads = settings.threads;
   const ObservableSurface seen = observable_surface(samples.cloud, caster, lattice, o);
   reference = oriented_samples(samples.cloud, seen);
@@ -141,7 +149,7 @@ void InspectionSite::find_reference(const InspectionSettings& settings, const Po
   require(!reference.points.empty(),
           scene.name +
               ": nothing can be seen from where the drones can get; expected another --start, "
-              "--bounds or --range");
+              "--bounds, --range or --lidar-range");
 }
 
 namespace {
@@ -166,6 +174,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   kind.T_body_camera = s.T_body_camera();
   kind.pitches = s.pitches();
   if (s.shape) s.shape->give_to(kind);
+  if (s.has_lidar()) carry(kind, s.lidar, kind.T_body_camera.translation());
   kind.body_radius = s.radius;
   kind.margin = s.margin;
   kind.unknown_margin = s.unknown_margin;
@@ -179,6 +188,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   o.belief.known_weight = s.known_weight;
   o.belief.observed_share = planner_by_name(s.planner).observed_share();
   o.belief.tsdf.truncation = s.truncation.value_or(3.0 * s.voxel);
+  o.belief.integrator = s.integrator();
   o.belief.looks.max_looks = s.max_looks;
   o.belief.region = site.scene.region;
   o.belief.seed = s.seed;
@@ -233,7 +243,13 @@ InspectionRun run_inspection(const InspectionSettings& s, const InspectionSite& 
   const std::vector<Configuration> starts = site.starts(s, s.robots);
   InspectionRun run;
   {  // What the mission holds is given back before it is judged.
-    RecordedWorld world(site.world(s), s, site.camera, s.T_body_camera());
+    std::optional<RecordedWorld<DroneWorld<EmbreeRayCaster>>> seen;
+    std::optional<LidarWorld<EmbreeRayCaster>> scanned;
+    if (s.has_lidar())
+      scanned.emplace(site.lidar_world(s));
+    else
+      seen.emplace(site.world(s), s, site.camera, s.T_body_camera());
+    const AnyWorld world = scanned ? AnyWorld(*scanned) : AnyWorld(*seen);
     using Clock = std::chrono::steady_clock;
     const auto before = Clock::now();
     Clock::duration watched{};

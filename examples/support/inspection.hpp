@@ -21,6 +21,7 @@
 #include <surfleet/simulation/fly_distributed.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
 #include <surfleet/simulation/judge.hpp>
+#include <surfleet/simulation/lidar_world.hpp>
 #include <surfleet/simulation/mission.hpp>
 #include <surfleet/simulation/scene.hpp>
 
@@ -35,7 +36,7 @@ struct InspectionSite {
   Bvh structure;  ///< Without the ground.
   EmbreeRayCaster caster;
   MeshJudge judge;
-  PinholeCamera camera;
+  PinholeCamera camera;          ///< That drones see with, if they do.
   SurfaceSamples samples;        ///< Of the structure in the region.
   PointCloud reference;          ///< What could be seen; normals to the sides it is seen from.
   double reference_share = 1.0;  ///< Of the samples.
@@ -47,8 +48,9 @@ struct InspectionSite {
   /// the structure than the settings say.
   std::vector<Configuration> starts(const InspectionSettings& settings, int robots) const;
 
-  /// What the drones' cameras see. The site must outlive it.
+  /// What the drones' cameras or LiDARs see. The site must outlive it.
   DroneWorld<EmbreeRayCaster> world(const InspectionSettings& settings) const;
+  LidarWorld<EmbreeRayCaster> lidar_world(const InspectionSettings& settings) const;
 
   /// Finds what could have been seen from `start`: slow, and needed for the judgement alone. Throws
   /// `Error` if that is nothing.

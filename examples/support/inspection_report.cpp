@@ -117,6 +117,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
       {"judge_disagreement_m", number(judged.disagreement)},
       {"keep_out_violations", judged.keep_out_violations},
       {"start_clearance_m", s.known_around_start()},
+      {"sensor", s.sensor},
       {"gimbal", s.gimbal},
       {"remaining_ise", run.result.remaining},
       {"remaining_ise_reasons", by_name(run.result.reasons)},

@@ -17,7 +17,9 @@
 #include <surfleet/core/error.hpp>
 #include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/geometry/keep_out.hpp>
+#include <surfleet/geometry/lidar_model.hpp>
 #include <surfleet/geometry/text_scanner.hpp>
+#include <surfleet/mapping/any_integrator.hpp>
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/planning/named_planners.hpp>
 #include <surfleet/simulation/mission.hpp>
@@ -48,6 +50,9 @@ struct InspectionSettings : MissionPreset {
   std::vector<double> camera_mount{0.0, 0.0, 0.0};  ///< Of the camera in the body's frame [m].
   bool gimbal = false;
   std::optional<double> gimbal_pitch;  ///< [deg]; nothing: `tilt_of_views`.
+  std::string sensor = "camera";       ///< Or lidar.
+  LidarModel lidar;
+  double lidar_noise = 0.02;  ///< [m]
   double rate = 4.0;
   std::vector<double> start, bounds;
   std::string body;                       ///< What `shape` is of; empty: a ball of `radius`.
@@ -63,6 +68,7 @@ struct InspectionSettings : MissionPreset {
   int threads = 2;
   double max_time = 7200.0;
   double known_weight = 0.3;
+  std::string weight = "inverse-square";  ///< Of an image: that or constant.
   double cluster_max_radius = 5.0;
   std::string cluster_distance = "straight";
   MergeOptions merge;
@@ -88,6 +94,9 @@ struct InspectionSettings : MissionPreset {
   double tilt_of_views() const {
     return gimbal_pitch.value_or(std::min(fov[1], kMostTilt - std::abs(camera_pitch)));
   }
+  bool has_lidar() const { return sensor == "lidar"; }
+  /// Farthest that the sensor measures [m].
+  double sensor_range() const { return has_lidar() ? lidar.max_range : farthest; }
   /// Of the camera's views beyond its mount [rad].
   std::vector<double> pitches() const {
     if (!gimbal) return {0.0};
@@ -96,13 +105,22 @@ struct InspectionSettings : MissionPreset {
   }
   static constexpr double kMostTilt = 80.0;  ///< Of a camera, up or down [deg].
   /// What the operator knows to be free of the structure around every start [m]: unless it is said,
-  /// as far as it takes until the camera's image is as high as what the body needs.
+  /// as far as it takes until what the sensor sees is as high as what the body needs.
   double known_around_start() const {
     const double needed = radius + margin + voxel;
-    const double opens = std::max(kLeastOpening, 0.5 * fov[1] - std::abs(camera_pitch));
+    const double half = has_lidar() ? degrees(std::min(lidar.highest, -lidar.lowest))
+                                    : 0.5 * fov[1] - std::abs(camera_pitch);
+    const double opens = std::max(kLeastOpening, half);
     return start_clearance.value_or(needed / std::sin(radians(opens)) + 1.5 * voxel);
   }
   static constexpr double kLeastOpening = 5.0;  ///< Above or below the horizon [deg].
+
+  /// Its options are those of the belief that takes it.
+  AnyIntegrator integrator() const {
+    if (weight == "constant")
+      return TsdfIntegrator({}, drop_off_by_voxels(voxel, ConstantWeight{}));
+    return TsdfIntegrator({}, drop_off_by_voxels(voxel));
+  }
 
   PlannerSettings planner_settings() const {
     PlannerSettings p;
@@ -114,7 +132,10 @@ struct InspectionSettings : MissionPreset {
     p.lambda_ic = lambda_ic;
     p.merge = merge;
     p.speed = limits.speed;
-    p.yaw_rate = limits.yaw_rate;
+    if (!has_lidar())
+      p.yaw_rate = limits.yaw_rate;
+    else
+      p.yaw_rate = 1e3;  // as nobody turns for it
     p.printed_share = printed_share;
     p.utility_share = utility_share;
     p.threads = threads;
@@ -176,7 +197,7 @@ class InspectionOptions {
     app.add("--start", settings.start, "place of the first drone [m]").expected(3);
     app.add(
         "--start-clearance", settings.start_clearance,
-        "known to be free of the structure around every start [m]; default what the camera "
+        "known to be free of the structure around every start [m]; default what the sensor "
         "leaves unseen: (radius + margin + voxel) / sin(half the vertical field of view, less the "
         "pitch) + 1.5 voxels");
     app.begin_group("Robots");
@@ -224,6 +245,24 @@ class InspectionOptions {
       app.add("--announcements", announcements_,
               "on, or off: drones do not tell where they go, and keep apart by sight alone");
     }
+    if (explores) {
+      app.begin_group("LiDAR");
+      app.add("--sensor", settings.sensor,
+              "what drones see with: the camera, or a LiDAR that sees all around, upright at "
+              "--camera-mount; coverage is counted against what it could see")
+          .one_of({"camera", "lidar"});
+      app.add(
+             "--lidar-range", lidar_range_,
+             "nearest and farthest distance [m]; default 0.5 and one and a half times the farthest "
+             "depth of --range")
+          .expected(2);
+      app.add("--lidar-fov", lidar_fov_, "elevation of the lowest and the highest beam [deg]")
+          .expected(2);
+      app.add("--lidar-beams", lidar_beams_, "around, and from the lowest to the highest")
+          .expected(2);
+      app.add("--lidar-noise", settings.lidar_noise,
+              "standard deviation of a distance, where --noise is on [m]");
+    }
     app.begin_group("Camera");
     app.add("--range", range_, "nearest and farthest depth [m]").expected(2);
     app.add("--fov", settings.fov, "horizontal and vertical field of view [deg]").expected(2);
@@ -238,14 +277,19 @@ class InspectionOptions {
     app.add("--gimbal-pitch", settings.gimbal_pitch,
             "of a gimbal's views down and up, beyond the camera's own [deg]; default the vertical "
             "field of view");
-    app.add("--rate", settings.rate, "images a second");
-    app.add("--noise", noise_, "stereo noise, on or off");
+    app.add("--rate", settings.rate, "images or scans a second");
+    app.add("--noise", noise_, "of the sensor, on or off; a camera's is stereo noise");
     app.add("--disparity-error", settings.stereo.disparity_error, "|e_d| of that noise [px]");
     app.add("--focal", settings.stereo.focal, "f of that noise [px]");
     app.add("--baseline", settings.stereo.baseline, "B of that noise [m]");
     app.begin_group("Map");
     app.add("--voxel", settings.voxel, "edge of a voxel [m]");
     app.add("--known-weight", settings.known_weight, "W_th: weight of a known voxel");
+    app.add("--weight", settings.weight,
+            "of an image of a voxel z metres away: inverse-square, 1/z^2, or constant, 1; how long "
+            "drones look at surface follows from it; default inverse-square, of a LiDAR's scan "
+            "constant")
+        .one_of({"inverse-square", "constant"});
     app.add("--truncation", settings.truncation, "mu of the TSDF [m]; default three voxels");
     if (explores) {
       app.begin_group("Planner");
@@ -324,6 +368,14 @@ class InspectionOptions {
       s.farthest = range_[1];
     }
     range_ = {s.nearest, s.farthest};
+    if (!app_.was_given("--lidar-range")) lidar_range_ = {0.5, 1.5 * s.farthest};
+    s.lidar = {.azimuths = lidar_beams_[0],
+               .elevations = lidar_beams_[1],
+               .lowest = radians(lidar_fov_[0]),
+               .highest = radians(lidar_fov_[1]),
+               .min_range = lidar_range_[0],
+               .max_range = lidar_range_[1]};
+    if (s.has_lidar() && !app_.was_given("--weight")) s.weight = "constant";
     keep("--standoff", &InspectionSettings::standoff);
     keep("--cluster-radius", &InspectionSettings::cluster_radius);
     keep("--lambda-tc", &InspectionSettings::lambda_tc);
@@ -346,7 +398,7 @@ class InspectionOptions {
                                 "--keep-out"));
     // Trials compare planners, of which not all say what their routes gain.
     if (program_ == InspectionProgram::mission && !app_.was_given("--least-gain"))
-      s.end.least_gain = planner_by_name(s.planner).enough * s.farthest;
+      s.end.least_gain = planner_by_name(s.planner).enough * s.sensor_range();
     check(s);
     return s;
   }
@@ -365,6 +417,29 @@ class InspectionOptions {
     const auto height = parse_number<double>(text);
     require(height && std::isfinite(*height), "--floor " + text + ": expected a height or none");
     return height;
+  }
+  static void check_lidar(const InspectionSettings& s) {
+    const LidarModel& l = s.lidar;
+    require(!s.gimbal && s.camera_pitch == 0.0,
+            "--sensor lidar: stands upright; expected no --gimbal and no --camera-pitch with it");
+    require(l.min_range >= 0.0 && l.max_range > 2.0 * l.min_range && l.max_range <= 1000.0,
+            "--lidar-range: expected 0 <= nearest < half the farthest, and that at most 1000 m");
+    const double steepest = radians(InspectionSettings::kMostTilt) + 1e-9;
+    require(l.lowest >= -steepest && l.lowest <= 0.0 && l.highest > l.lowest && l.highest >= 0.0 &&
+                l.highest <= steepest,
+            "--lidar-fov: expected -80 to 0 and 0 to 80 degrees, with an opening between them");
+    const auto planned = camera_within(l);
+    require(
+        planned.max_range > std::max(s.voxel, planned.min_range),
+        "--lidar-range: so high an opening leaves no range to plan with; expected a longer one");
+    require(s.start_clearance ||
+                degrees(std::min(l.highest, -l.lowest)) >= InspectionSettings::kLeastOpening,
+            "--lidar-fov: such beams see nothing of the way up or down; expected a "
+            "--start-clearance with it");
+    require(l.azimuths >= 16 && l.azimuths <= 8192 && l.elevations >= 2 && l.elevations <= 1024,
+            "--lidar-beams: expected 16 to 8192 around and 2 to 1024 up");
+    require(s.lidar_noise >= 0.0 && std::isfinite(s.lidar_noise),
+            "--lidar-noise: expected 0 m or more");
   }
   static void check(const InspectionSettings& s) {
     const auto positive = [](double v, const char* name) {
@@ -387,10 +462,11 @@ class InspectionOptions {
                                                          InspectionSettings::kMostTilt),
             "--gimbal: expected views at more than 0 and at most 80 degrees up and down");
     require(
-        std::abs(s.camera_pitch) + InspectionSettings::kLeastOpening <= 0.5 * s.fov[1] ||
-            s.start_clearance,
+        s.has_lidar() || s.start_clearance ||
+            std::abs(s.camera_pitch) + InspectionSettings::kLeastOpening <= 0.5 * s.fov[1],
         "--camera-pitch: at such a tilt the camera sees nothing of the way up or down; expected "
         "a --start-clearance with it");
+    if (s.has_lidar()) check_lidar(s);
     for (const double x : s.camera_mount)
       require(std::abs(x) <= s.radius, "--camera-mount: expected a place within the body");
     require(s.image_width >= 16 && s.image_width <= 4096, "--image-width: expected 16 to 4096");
@@ -448,6 +524,8 @@ class InspectionOptions {
   cli::Options& app_;
   InspectionProgram program_;
   std::vector<double> range_{MissionPreset{}.nearest, MissionPreset{}.farthest};
+  std::vector<double> lidar_range_{0.5, 1.5 * MissionPreset{}.farthest}, lidar_fov_{-45.0, 45.0};
+  std::vector<int> lidar_beams_{512, 64};
   std::string noise_ = "on", announcements_ = "on", floor_;
   std::vector<double> keep_out_;
 };

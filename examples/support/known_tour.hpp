@@ -50,9 +50,9 @@ struct FlownTour {
 /// and a hold at every viewpoint [s].
 FlownTour fly_known_tour(const CoverageTour& tour, const InspectionSettings& s,
                          const InspectionSite& site, const Configuration& start, double hold);
-/// How long images from one place take to make surface known that is `depth` away: weights are
-/// inverse squares of ranges, and W_th of them are needed.
+/// How long images from one place take to make surface known that is `depth` away [m]: W_th over
+/// the weight of each.
 inline double hold_for(const InspectionSettings& s, double depth) {
-  return s.known_weight * depth * depth / s.rate;
+  return s.known_weight / s.integrator().weight(0.0, depth) / s.rate;
 }
 }  // namespace surfleet::examples

@@ -82,5 +82,9 @@ class RecordedWorld {
 inline void check_recording(const InspectionSettings& s) {
   require(s.save_images.empty() || s.farthest < 1e-3 * kMostDepthValue,
           "--save-images: depth in millimetres reaches to 65.5 m; expected a nearer --range");
+  require(s.save_images.empty() || !s.has_lidar(),
+          "--save-images: saves depth images; expected --sensor camera");
+  require(s.save_images.empty() || s.weight == "inverse-square",
+          "--save-images: fuse_depth weighs by 1/z^2; expected --weight inverse-square");
 }
 }  // namespace surfleet::examples

@@ -19,6 +19,7 @@
 #include <surfleet/geometry/incremental_search.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
 #include <surfleet/geometry/keep_out.hpp>
+#include <surfleet/geometry/lidar_model.hpp>
 #include <surfleet/geometry/matching.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>
 #include <surfleet/geometry/mesh_borders.hpp>
@@ -38,6 +39,7 @@
 #include <surfleet/geometry/predicates.hpp>
 #include <surfleet/geometry/prism.hpp>
 #include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/geometry/sensor_reading.hpp>
 #include <surfleet/geometry/simplify.hpp>
 #include <surfleet/geometry/stamped_files.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>

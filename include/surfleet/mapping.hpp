@@ -5,6 +5,7 @@
 
 #include <surfleet/mapping/fwd.hpp>
 
+#include <surfleet/mapping/any_integrator.hpp>
 #include <surfleet/mapping/block_bits.hpp>
 #include <surfleet/mapping/distance_transform.hpp>
 #include <surfleet/mapping/grown_voxels.hpp>

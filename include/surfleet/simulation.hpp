@@ -17,6 +17,7 @@
 #include <surfleet/simulation/fly_mission.hpp>
 #include <surfleet/simulation/house.hpp>
 #include <surfleet/simulation/judge.hpp>
+#include <surfleet/simulation/lidar_world.hpp>
 #include <surfleet/simulation/marker_images.hpp>
 #include <surfleet/simulation/marker_sight.hpp>
 #include <surfleet/simulation/mesh_map.hpp>

@@ -25,6 +25,17 @@ refused drone_inspection --scene house --voxel -0.3 --out out
 refused drone_inspection --scene house --voxel nan --out out
 refused drone_inspection --scene house --fov 200 60 --out out
 refused drone_inspection --scene house --range 8 1 --out out
+refused drone_inspection --scene house --sensor nose --out out
+refused drone_inspection --scene house --weight heavy --out out
+refused drone_inspection --scene house --sensor lidar --lidar-range 8 1 --out out
+refused drone_inspection --scene house --sensor lidar --lidar-fov 10 40 --out out
+refused drone_inspection --scene house --sensor lidar --lidar-fov -80 80 --lidar-range 2 8 --out out
+refused drone_inspection --scene house --sensor lidar --lidar-beams 0 64 --out out
+refused drone_inspection --scene house --sensor lidar --lidar-noise -1 --out out
+refused drone_inspection --scene house --sensor lidar --camera-pitch 10 --out out
+refused drone_inspection --scene house --sensor lidar --gimbal --out out
+refused drone_inspection --scene house --sensor lidar --save-images images --out out
+refused drone_inspection --scene house --weight constant --save-images images --out out
 refused drone_inspection --scene house --planner magic --out out
 refused drone_inspection --scene house --preset magic --out out
 refused drone_inspection --scene house --noise maybe --out out

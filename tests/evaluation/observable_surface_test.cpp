@@ -146,6 +146,33 @@ TEST(range_field_of_view_and_incidence_limit_what_is_seen) {
   CHECK(seen_by(radians(60), 6.0, radians(90), radians(85)) > samples.size() / 8);
 }
 
+TEST(a_lidar_sees_all_around_between_its_lowest_and_highest_beam) {
+  const TriangleMesh floor = test_shapes::plane(20.0, 4, 0.0);
+  const Bvh bvh(floor);
+  const ReachableLattice lattice(
+      bvh, {.bounds = Box3(Point3(-1, -1, 4), Point3(1, 1, 4)), .start = {0, 0, 4}, .radius = 1.0});
+  const auto samples = sample_surface(floor, {.density = 5}).cloud;
+  ObservabilityOptions o;
+  o.T_body_camera = forward_camera_mount(0.0, Point3(0.0, 0.0, 0.5));
+  o.lidar = LidarModel{.lowest = radians(-50.0), .highest = radians(20.0), .max_range = 7.0};
+  o.max_incidence = radians(85);
+  o.stride = 1;
+  const auto seen = observable_surface(samples, bvh, lattice, o);
+  const std::vector<Point3> places = lattice.positions();
+  std::size_t visible = 0, wrong = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    // From 4.5 m above, by brute force: no farther than 7 m, no steeper than 50 degrees.
+    bool sees = false;
+    for (const Point3& p : places) {
+      const double level = (samples.points[i] - p).head<2>().norm();
+      sees = sees || (std::hypot(level, 4.5) <= 7.0 && std::atan2(4.5, level) <= radians(50.0));
+    }
+    visible += sees ? 1 : 0;
+    wrong += sees != (seen.seen_from[i] != 0) ? 1 : 0;
+  }
+  CHECK(wrong == 0 && visible > 100 && visible < samples.size() / 2);
+}
+
 TEST(one_sided_surfaces_show_their_front) {
   const TriangleMesh floor = test_shapes::plane(6.0, 2, 0.0);
   const Bvh bvh(floor);

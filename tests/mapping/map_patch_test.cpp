@@ -15,7 +15,7 @@ using namespace surfleet;
 using namespace surfleet::test;
 
 TEST(a_patch_is_its_images_to_half_a_step) {
-  PatchRecorder<DropOffWeight<>> recorder = sheet_recorder(3);
+  PatchRecorder recorder = sheet_recorder(3);
   const std::vector<DepthImage> images = sheet_images(5);
   for (int i = 0; i < 5; ++i) {
     CHECK(!recorder.due());
@@ -57,10 +57,10 @@ TEST(a_patch_is_its_images_to_half_a_step) {
 
 TEST(a_patch_is_due_by_images_or_by_distance) {
   for (const bool by_distance : {false, true}) {
-    PatchRecorder<> recorder({.voxel_size = 0.2,
-                              .images = 4,
-                              .distance = by_distance ? std::optional(1.0) : std::nullopt},
-                             {.truncation = 0.6});
+    PatchRecorder recorder({.voxel_size = 0.2,
+                            .images = 4,
+                            .distance = by_distance ? std::optional(1.0) : std::nullopt},
+                           TsdfIntegrator({.truncation = 0.6}));
     const PinholeCamera camera = sheet_camera();
     const DepthImage image(camera.width, camera.height);
     int count = 0;
@@ -71,8 +71,8 @@ TEST(a_patch_is_due_by_images_or_by_distance) {
     }
     CHECK(count == (by_distance ? 3 : 4));
   }
-  CHECK_THROWS(Error, PatchRecorder<>({.images = 0}));
-  CHECK_THROWS(Error, PatchRecorder<>({.distance = -1.0}));
+  CHECK_THROWS(Error, PatchRecorder({.images = 0}));
+  CHECK_THROWS(Error, PatchRecorder({.distance = -1.0}));
   CHECK_THROWS(Error, make_patch(TsdfMap({.voxel_size = 0.1}), 0.0));
 }
 

@@ -146,7 +146,7 @@ TEST(fusion_refuses_what_does_not_belong) {
 }
 
 TEST(what_is_open_counts_as_it_will_when_it_is_closed) {
-  PatchRecorder<DropOffWeight<>> recorder = sheet_recorder(1);
+  PatchRecorder recorder = sheet_recorder(1);
   PatchFusion fusion({.voxel_size = kSheetVoxel, .truncation = 3.0 * kSheetVoxel});
   const MapPatch mate = sheet_patches(1, 2).front();
   for (int i = 0; i < 3; ++i) {

@@ -27,14 +27,14 @@ inline std::vector<DepthImage> sheet_images(int count, int first = 0) {
     images.push_back(render(sheet_camera(), sheet_pose(first + i), sheet(0.04)));
   return images;
 }
-inline PatchRecorder<DropOffWeight<>> sheet_recorder(RobotId robot, std::uint32_t incarnation = 0) {
-  return PatchRecorder<DropOffWeight<>>(
+inline PatchRecorder sheet_recorder(RobotId robot, std::uint32_t incarnation = 0) {
+  return PatchRecorder(
       {.robot = robot, .incarnation = incarnation, .voxel_size = kSheetVoxel},
-      {.truncation = 3.0 * kSheetVoxel}, {.full = kSheetVoxel, .zero = 1.5 * kSheetVoxel});
+      TsdfIntegrator({.truncation = 3.0 * kSheetVoxel}, drop_off_by_voxels(kSheetVoxel)));
 }
 /// Patches of five images each along the circle.
 inline std::vector<MapPatch> sheet_patches(int count, RobotId robot = 0) {
-  PatchRecorder<DropOffWeight<>> recorder = sheet_recorder(robot);
+  PatchRecorder recorder = sheet_recorder(robot);
   std::vector<MapPatch> patches;
   for (int p = 0; p < count; ++p) {
     const std::vector<DepthImage> images = sheet_images(5, 5 * p);

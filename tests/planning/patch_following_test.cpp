@@ -69,8 +69,8 @@ struct Followers {
 
 TEST(what_planners_read_and_remember_after_removal_equals_what_is_built_afresh) {
   const PatchFusionOptions options{.voxel_size = 0.2, .truncation = 0.6};
-  PatchRecorder<DropOffWeight<>> recorder({.voxel_size = 0.2}, {.truncation = 0.6},
-                                          {.full = 0.2, .zero = 0.3});
+  PatchRecorder recorder({.voxel_size = 0.2},
+                         TsdfIntegrator({.truncation = 0.6}, drop_off_by_voxels(0.2)));
   std::vector<MapPatch> patches;
   for (int p = 0; p < 5; ++p) {
     for (int i = 0; i < 5; ++i) {

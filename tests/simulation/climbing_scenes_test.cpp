@@ -97,7 +97,9 @@ TEST(lidar_points_lie_on_what_it_sees) {
   Pose T = Pose::Identity();
   T.translation() = Point3(0.3, -0.2, 0.1);
   T.linear() = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 0).normalized()).toRotationMatrix();
-  RotatingLidar lidar{.azimuths = 40, .elevations = 21};
+  RotatingLidar lidar;
+  lidar.azimuths = 40;
+  lidar.elevations = 21;
   const PointCloud exact = lidar.scan(bvh, T);
   CHECK(exact.size() == 40 * 21);
   for (const Point3& p : exact.points) CHECK(bvh.closest_point(p)->distance < 1e-9);

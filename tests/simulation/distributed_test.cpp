@@ -60,8 +60,7 @@ std::vector<Configuration> flown_alone(const MissionOptions& o, box_world::World
   using Body = SimulatedDrone<box_world::World>;
   Body body(world, 0, fleet, o.kind.limits, o.neighbours);
   const SurfaceBeliefOptions b = SurfaceBelief::checked(o.belief);
-  PatchRecorder<DropOffWeight<>> recorder({.voxel_size = b.voxel_size}, b.tsdf,
-                                          SurfaceBelief::weight(b));
+  PatchRecorder recorder({.voxel_size = b.voxel_size}, *b.integrator);
   PatchFusion fusion({.voxel_size = b.voxel_size, .truncation = b.tsdf.truncation});
   SurfaceBelief belief(b, std::span<const RobotKind>(&o.kind, 1), &fusion.map());
   belief.add_known_free(0, {body.estimate().position, o.start_clearance});
@@ -73,7 +72,7 @@ std::vector<Configuration> flown_alone(const MissionOptions& o, box_world::World
     const double now = step * o.agent.image_period;
     Agent<Body>& agent = *agents[0];
     agent.sense();
-    if (!agent.at_rest()) recorder.integrate(agent.image(), o.kind.camera, agent.camera_pose());
+    if (!agent.at_rest()) recorder.integrate(agent.reading(), o.kind.sensor(), agent.sensor_pose());
     fusion.show_open(recorder.open());
     if (recorder.due()) {
       const MapPatch patch = recorder.close();

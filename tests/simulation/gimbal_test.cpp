@@ -25,7 +25,7 @@ using Drone = SimulatedDrone<box_world::World>;
 /// As every body was before there were gimbals.
 struct FixedBody {
   Drone* drone;
-  DepthImage sense() { return drone->sense(); }
+  SensorReading sense() { return drone->sense(); }
   Configuration estimate() const { return drone->estimate(); }
   std::vector<SeenRobot> neighbours() const { return drone->neighbours(); }
   void follow(std::span<const Point3> path, double yaw, std::optional<double> watch) {

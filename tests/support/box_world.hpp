@@ -73,6 +73,16 @@ inline surfleet::MissionOptions options(const World& world) {
   return o;
 }
 
+/// For robots that see with that in place of a camera.
+inline surfleet::LidarModel lidar() {
+  return {.azimuths = 120,
+          .elevations = 31,
+          .lowest = surfleet::radians(-40.0),
+          .highest = surfleet::radians(40.0),
+          .min_range = 0.3,
+          .max_range = 6.0};
+}
+
 inline std::vector<surfleet::Configuration> starts(int n) {
   std::vector<surfleet::Configuration> list;
   for (int i = 0; i < n; ++i) list.push_back({surfleet::Point3(-3.5, -1.0 + 1.5 * i, 1.0), 0.0});

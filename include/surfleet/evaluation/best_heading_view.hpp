@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What a camera has in view of a point once its level body has turned towards the point.
+/// @brief What a camera or a LiDAR has in view of a point once its level body has turned towards
+/// the point.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
 #include <surfleet/core/types.hpp>
+#include <surfleet/geometry/lidar_model.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 
 namespace surfleet {
 /// What a camera on a level body has in view once the body has turned so that the optical axis lies
 /// in the vertical plane of the point (a camera that looks straight up or down: the body's x axis).
+/// A LiDAR that stands upright in the body has all between its lowest and its highest beam in view,
+/// gaps between beams not counted, with the body's x axis in that plane.
 class BestHeadingView {
  public:
   BestHeadingView(const PinholeCamera& camera, const Pose& T_body_camera)
@@ -29,6 +33,17 @@ class BestHeadingView {
     reach_ = camera.max_range * reach_ + 2.0 * offset_.norm();
   }
 
+  BestHeadingView(const LidarModel& lidar, const Point3& place)
+      : offset_(place),
+        R_camera_body_(Eigen::Matrix3d::Identity()),
+        lidar_(true),
+        sin_lowest_(std::sin(lidar.lowest)),
+        sin_highest_(std::sin(lidar.highest)) {
+    camera_.min_range = lidar.min_range;
+    camera_.max_range = lidar.max_range;
+    reach_ = lidar.max_range + 2.0 * offset_.norm();
+  }
+
   /// No point farther than this from the body is in view [m].
   double reach() const { return reach_; }
 
@@ -38,10 +53,15 @@ class BestHeadingView {
     const double level = to_sample.head<2>().norm();
     const Eigen::Vector3d in_body(level * heading_.x(), level * heading_.y(), to_sample.z());
     const Point3 p_camera = R_camera_body_ * (in_body - offset_);
+    if (lidar_) {
+      const double r = p_camera.norm();
+      return r >= camera_.min_range && r <= camera_.max_range && p_camera.z() >= sin_lowest_ * r &&
+             p_camera.z() <= sin_highest_ * r;
+    }
     return p_camera.z() >= camera_.min_range && p_camera.z() <= camera_.max_range &&
            camera_.project(p_camera).has_value();
   }
-  /// Where the camera is then.
+  /// Where the camera or LiDAR is then.
   Point3 eye(const Point3& position, const Point3& sample) const {
     const Eigen::Vector2d to_sample = (sample - position).head<2>();
     const double level = to_sample.norm();
@@ -59,5 +79,7 @@ class BestHeadingView {
   Eigen::Matrix3d R_camera_body_;
   Eigen::Vector2d heading_ = Eigen::Vector2d::UnitX();
   double reach_ = 0.0;
+  bool lidar_ = false;  // of the camera nothing but the range counts then
+  double sin_lowest_ = 0.0, sin_highest_ = 0.0;
 };
 }  // namespace surfleet

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief The part of a surface that a flying camera could have seen: what coverage is measured
-/// against.
+/// @brief The part of a surface that a flying camera or LiDAR could have seen: what coverage is
+/// measured against.
 ///
 /// A surface has two sides, and each is looked at for itself: a sheet that can be seen from both is
 /// covered twice, while nobody sees the inner side of a closed solid. A side of a surface point
@@ -12,7 +12,8 @@
 ///    straight and keeping the radius all along,
 /// 3. has the point between the camera's least and greatest depth and inside its image once the
 ///    body has turned so that the optical axis faces the point (heading is free, roll and pitch
-///    are zero, the mount is fixed),
+///    are zero, the mount is fixed); or, for an upright LiDAR, within its range and between its
+///    lowest and its highest beam, whatever the gaps between beams,
 /// 4. lies on that side and meets the surface at no more than the incidence limit,
 /// 5. sees the point: the ray from the camera to it is not blocked.
 /// All nodes carry the flood of 2, every `stride`-th along each axis (and a choice of others in
@@ -45,6 +46,8 @@ namespace surfleet {
 struct ObservabilityOptions {
   PinholeCamera camera;
   Pose T_body_camera = forward_camera_mount();
+  /// What is looked with in place of the camera, upright at the camera's place, if anything.
+  std::optional<LidarModel> lidar{};
   double max_incidence = radians(80.0);  ///< Between the ray and the surface's normal [rad].
   bool two_sided = true;                 ///< Either side counts, else that of the normal alone.
   int stride = 2;            ///< Every so many-th node is looked from; all carry the flood.
@@ -101,8 +104,11 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
           "observable surface: expected an incidence limit in (0, 90] degrees");
   require(options.stride >= 1, "observable surface: expected a stride of 1 or more");
   const double min_cosine = std::cos(options.max_incidence);
-  const PinholeCamera& camera = options.camera;
-  const BestHeadingView view(camera, options.T_body_camera);
+  const BestHeadingView view =
+      options.lidar ? BestHeadingView(*options.lidar, options.T_body_camera.translation())
+                    : BestHeadingView(options.camera, options.T_body_camera);
+  const double nearest = options.lidar ? options.lidar->min_range : options.camera.min_range;
+  const double farthest = options.lidar ? options.lidar->max_range : options.camera.max_range;
   const double reach = view.reach();
   const int stride = options.stride;
   // Directions over the hemisphere, nearest to the pole first.
@@ -113,9 +119,9 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
       fan.emplace_back(std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn),
                        std::cos(angle));
     }
-  const std::array<double, 3> ranges{std::lerp(camera.min_range, camera.max_range, 0.5),
-                                     std::lerp(camera.min_range, camera.max_range, 0.2),
-                                     std::lerp(camera.min_range, camera.max_range, 0.85)};
+  const std::array<double, 3> ranges{std::lerp(nearest, farthest, 0.5),
+                                     std::lerp(nearest, farthest, 0.2),
+                                     std::lerp(nearest, farthest, 0.85)};
   const int shell = static_cast<int>(std::ceil(reach / lattice.spacing())) + 1;
 
   constexpr std::size_t kBundle = 16;  // rays cast at a time

@@ -65,21 +65,18 @@ class Agent {
   }
 
   // -- sensing -----------------------------------------------------------------------------------
-  /// Takes an image, less what shows teammates. Different agents at once.
+  /// Takes an image or a scan, less what shows teammates. Different agents at once.
   void sense() {
-    image_ = body_->sense();
+    reading_ = body_->sense();
     seen_ = body_->neighbours();
     for (const SeenRobot& mate : seen_)
-      mask_teammates(image_, kind().camera, camera_pose(),
-                     std::span<const Point3>(&mate.position, 1),
+      mask_teammates(reading_, kind().sensor(), sensor_pose(), std::span(&mate.position, 1),
                      kind().body_radius + belief_->voxel_size() + mate.error);
   }
-  /// Puts the last image into the belief, which is not updated yet.
-  void integrate() { belief_->integrate(image_, kind().camera, camera_pose()); }
-  const DepthImage& image() const { return image_; }  ///< The last that was taken.
-  Pose camera_pose() const {
-    return surfleet::camera_pose(body_->estimate(), kind().T_body_camera);
-  }
+  /// Puts the last image or scan into the belief, which is not updated yet.
+  void integrate() { belief_->integrate(reading_, kind().sensor(), sensor_pose()); }
+  const SensorReading& reading() const { return reading_; }  ///< The last that was taken.
+  Pose sensor_pose() const { return kind().sensor_pose(body_->estimate()); }
 
   // -- what there is to say ----------------------------------------------------------------------
   RobotState state(double time) const {
@@ -210,7 +207,7 @@ class Agent {
     if (!(heard_.empty() && seen_.empty()) && phase_ != Phase::scanning) give_way(time);
     if (phase_ == Phase::scanning && (quarters_ == 0 || body_->finished())) {
       const std::vector<double>& pitches = kind().pitches;
-      if (quarters_ == 4 * pitches.size()) {
+      if (quarters_ == 4 * pitches.size() || kind().sees_all_around()) {
         phase_ = Phase::waiting;
       } else {
         const Configuration at = body_->estimate();
@@ -218,7 +215,7 @@ class Agent {
         body_->follow(std::span<const Point3>(&at.position, 1), at.yaw + 0.5 * kPi, std::nullopt);
       }
     }
-    if (phase_ == Phase::flying && options_.watchful) {
+    if (phase_ == Phase::flying && watches()) {
       const Configuration look = view_under_way(*belief_, space(), body_->estimate().position,
                                                 polyline_length(body_->remaining()),
                                                 route_.front().configuration, replan_.watch_on);
@@ -244,6 +241,8 @@ class Agent {
     const double pitch = GimballedBody<Body> ? route_.front().configuration.pitch : 0.0;
     return body_->finished() && std::abs(body_->estimate().pitch - pitch) < kSamePitch;
   }
+  /// Whether it turns to what there is to see on its way.
+  bool watches() const { return options_.watchful && !kind().sees_all_around(); }
   bool moving() const { return phase_ == Phase::flying || phase_ == Phase::aside; }
 
   /// Nothing is left that the stop was for; one that is for nothing stays to be flown to.
@@ -268,8 +267,9 @@ class Agent {
         std::max(1.0, std::ceil(options_.max_dwell / options_.image_period)));
   }
   void leave_stop() {
-    note_looks_in_vain(*belief_, space(), body_->estimate(), route_.front(), images_,
-                       most_images());
+    Configuration at = body_->estimate();
+    if (kind().sees_all_around()) at.yaw = route_.front().configuration.yaw;
+    note_looks_in_vain(*belief_, space(), at, route_.front(), images_, most_images());
     route_.erase(route_.begin());
     phase_ = Phase::waiting;
   }
@@ -347,9 +347,10 @@ class Agent {
     return true;
   }
   void set_off(const Path& path) {
-    const double yaw = route_.front().configuration.yaw;
-    body_->follow(path.points, yaw, options_.watchful ? std::optional(yaw) : std::nullopt);
-    tilt(route_.front().configuration.pitch);
+    const Configuration& goal = route_.front().configuration;
+    const double yaw = kind().sees_all_around() ? body_->estimate().yaw : goal.yaw;
+    body_->follow(path.points, yaw, watches() ? std::optional(yaw) : std::nullopt);
+    tilt(goal.pitch);
     phase_ = Phase::flying;
     images_ = 0;
     ++departures_;
@@ -428,7 +429,7 @@ class Agent {
   double worked_ = 0.0;  // travelled until then [m]
   TrafficPolicy traffic_;
   ObstacleCheck obstacle_ahead_{.lookahead = 1.5};
-  DepthImage image_;
+  SensorReading reading_;
   Phase phase_ = Phase::scanning;
   Stops route_;                   // what is left to do; the first stop is under way
   std::size_t initial_work_ = 0;  // elements the route was made for

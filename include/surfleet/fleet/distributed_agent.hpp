@@ -61,7 +61,7 @@ class DistributedAgent {
                    .incarnation = options.incarnation,
                    .voxel_size = checked.belief.voxel_size,
                    .images = options.patch_images},
-                  checked.belief.tsdf, SurfaceBelief::weight(checked.belief)),
+                  *checked.belief.integrator),
         fusion_({.voxel_size = checked.belief.voxel_size,
                  .truncation = checked.belief.tsdf.truncation}),
         belief_(checked.belief, std::span<const RobotKind>(&kind, 1), &fusion_.map()),
@@ -93,7 +93,7 @@ class DistributedAgent {
     // Who is at rest sees nothing new, and patches without end would let nobody come to an end.
     const bool works = !agent_.at_rest() && !leaving_;
     if (works) {
-      recorder_.integrate(agent_.image(), belief_.space(0).kind.camera, agent_.camera_pose());
+      recorder_.integrate(agent_.reading(), belief_.space(0).kind.sensor(), agent_.sensor_pose());
       fusion_.show_open(recorder_.open());
     }
     if (recorder_.due() || (!works && has_untold())) close_patch();
@@ -225,7 +225,7 @@ class DistributedAgent {
   std::uint32_t kind_;  // as of `kind_number`
   DistributedAgentOptions options_;
   PlanRequests<Planner> requests_;
-  PatchRecorder<DropOffWeight<>> recorder_;
+  PatchRecorder recorder_;
   PatchFusion fusion_;
   SurfaceBelief belief_;
   Agent<Body> agent_;

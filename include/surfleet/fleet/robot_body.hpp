@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <surfleet/core/types.hpp>
-#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/geometry/sensor_reading.hpp>
 
 namespace surfleet {
 /// A teammate as a robot sees it.
@@ -20,7 +20,7 @@ struct SeenRobot {
 
 /// A robot, real or simulated. What it says of itself is its own estimate; the truth stays with it.
 ///
-/// - `sense()`: a depth image from where it is now.
+/// - `sense()`: a depth image or a LiDAR's scan from where it is now.
 /// - `estimate()`: where it believes to be; `neighbours()`: where it saw teammates when it last
 ///   took an image, all that are near and in doubt too many.
 /// - `follow(path, yaw, watch)`: sets out along `path`, whose first point is where it is, to end
@@ -36,7 +36,7 @@ struct SeenRobot {
 template <typename B>
 concept RobotBody = requires(B& body, const B& now, std::span<const Point3> path, double x,
                              std::optional<double> watch) {
-  { body.sense() } -> std::same_as<DepthImage>;
+  { body.sense() } -> std::convertible_to<SensorReading>;
   { now.estimate() } -> std::convertible_to<Configuration>;
   { now.neighbours() } -> std::convertible_to<std::vector<SeenRobot>>;
   body.follow(path, x, watch);

@@ -22,6 +22,8 @@ class HalfEdges;
 struct HalfPlane;
 class KdTree;
 struct KeepOut;
+struct LidarModel;
+struct LidarScan;
 class MeshAdjacency;
 struct MeshComponents;
 struct OutlierOptions;

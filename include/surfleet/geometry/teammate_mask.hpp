@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <vector>
 
-#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/geometry/sensor_reading.hpp>
 
 namespace surfleet {
 /// Takes the measurements that fell on a teammate out of `image`: a pixel whose point lies within
@@ -46,5 +47,22 @@ inline void mask_teammates(DepthImage& image, const PinholeCamera& camera,
         if ((camera.ray(u, v) * static_cast<double>(d) - c).norm() <= radius) image(u, v) = 0.0F;
       }
   }
+}
+/// The same for a scan, whose points on teammates are left out. O(points · teammates).
+inline void mask_teammates(LidarScan& scan, const LidarModel& /*lidar*/, const Pose& T_world_lidar,
+                           std::span<const Point3> teammates, double radius) {
+  const Pose T_lidar_world = T_world_lidar.inverse(Eigen::Isometry);
+  for (const Point3& mate : teammates) {
+    const Point3 c = T_lidar_world * mate;
+    std::erase_if(scan.points, [&](const Point3& p) { return (p - c).norm() <= radius; });
+  }
+}
+/// The same for whatever the sensor gives.
+inline void mask_teammates(SensorReading& seen, const SensorModel& sensor,
+                           const Pose& T_world_sensor, std::span<const Point3> teammates,
+                           double radius) {
+  visit_reading(seen, sensor, [&](auto& s, const auto& model) {
+    mask_teammates(s, model, T_world_sensor, teammates, radius);
+  });
 }
 }  // namespace surfleet

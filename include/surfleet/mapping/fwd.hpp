@@ -4,6 +4,7 @@
 #pragma once
 
 namespace surfleet {
+class AnyIntegrator;
 struct ConstantWeight;
 class GrownVoxels;
 struct InverseSquareWeight;
@@ -17,6 +18,7 @@ struct PatchFusionOptions;
 struct PatchId;
 struct PatchKey;
 struct PatchLimits;
+class PatchRecorder;
 struct PatchRecorderOptions;
 class ProjectiveUpdate;
 class RayTraversalUpdate;

@@ -2,9 +2,9 @@
 /// @file
 /// @brief Cuts what a robot sees into map patches [000 §4.4.1].
 ///
-///     PatchRecorder<DropOffWeight<>> recorder({.robot = 2, .voxel_size = 0.3});
-///     recorder.integrate(image, camera, T_world_camera);
-///     if (recorder.due()) publish(recorder.close());
+///     PatchRecorder recorder({.robot = 2, .voxel_size = 0.3}, TsdfIntegrator({.truncation =
+///     0.9})); recorder.integrate(image, camera, T_world_camera); if (recorder.due())
+///     publish(recorder.close());
 #pragma once
 
 #include <cmath>
@@ -14,29 +14,27 @@
 #include <string>
 #include <utility>
 
+#include <surfleet/mapping/any_integrator.hpp>
 #include <surfleet/mapping/map_patch.hpp>
-#include <surfleet/mapping/tsdf_integrator.hpp>
 
 namespace surfleet {
 struct PatchRecorderOptions {
   RobotId robot = 0;
   std::uint32_t incarnation = 0;     ///< How often the robot was started before.
   double voxel_size = 0.3;           ///< [m]
-  std::uint32_t images = 5;          ///< A patch is due after so many,
-  std::optional<double> distance{};  ///< or, if said, once the camera has come so far [m].
+  std::uint32_t images = 5;          ///< A patch is due after so many, or scans,
+  std::optional<double> distance{};  ///< or, if said, once the sensor has come so far [m].
 };
 
 /// The open patch, an image at a time. It is a map of its own, so what one patch holds depends on
 /// its images alone.
-template <WeightPolicy Weight = InverseSquareWeight, UpdatePolicy Update = ProjectiveUpdate>
 class PatchRecorder {
  public:
-  TsdfIntegrator<Weight, Update> integrator;
+  AnyIntegrator integrator;
 
   /// Throws `Error` on options out of range.
-  explicit PatchRecorder(PatchRecorderOptions options, TsdfOptions tsdf = {}, Weight weight = {},
-                         Update update = {})
-      : integrator(tsdf, std::move(weight), std::move(update)),
+  explicit PatchRecorder(PatchRecorderOptions options, AnyIntegrator integrate = TsdfIntegrator())
+      : integrator(std::move(integrate)),
         options_(options),
         map_({.voxel_size = options.voxel_size}) {
     require(options.images > 0, "patch: expected at least one image");
@@ -44,15 +42,16 @@ class PatchRecorder {
             "patch: expected a positive distance or none");
   }
 
-  /// Folds an image into the open patch; returns the number of changed blocks.
-  std::size_t integrate(const DepthImage& image, const PinholeCamera& camera,
-                        const Pose& T_frame_camera) {
-    const std::size_t changed = integrator(image, camera, T_frame_camera, map_);
+  /// Folds an image or a scan, or whichever of them a sensor has given, into the open patch;
+  /// returns the number of changed blocks.
+  template <typename Seen, typename Sensor>
+  std::size_t integrate(const Seen& seen, const Sensor& sensor, const Pose& T_frame_sensor) {
+    const std::size_t changed = integrator(seen, sensor, T_frame_sensor, map_);
     if (images_ == 0)
-      anchor_ = T_frame_camera;
+      anchor_ = T_frame_sensor;
     else
-      travelled_ += (T_frame_camera.translation() - last_).norm();
-    last_ = T_frame_camera.translation();
+      travelled_ += (T_frame_sensor.translation() - last_).norm();
+    last_ = T_frame_sensor.translation();
     ++images_;
     return changed;
   }

@@ -89,8 +89,7 @@ class ProjectiveUpdate {
     detail::ViewedBlockSearch search(view, map, options.truncation, options.carve_free_space);
     search.run(blocks_);
     changed_.assign(blocks_.size(), 0);
-    made_.clear();  // also what an allocation that failed left behind
-    made_.resize(blocks_.size());
+    std::vector<std::unique_ptr<TsdfMap::Block>> fresh(blocks_.size());
 
     const auto truncation = static_cast<float>(options.truncation);
     const auto max_weight = static_cast<float>(options.max_weight);
@@ -102,9 +101,9 @@ class ProjectiveUpdate {
           // A block is made when the view has something to say of it, by the thread that finds so.
           const auto slice = [&](int z) {
             if (block == nullptr) {
-              made_[i] = std::make_unique<TsdfMap::Block>();
-              made_[i]->index = b.index;
-              block = made_[i].get();
+              fresh[i] = std::make_unique<TsdfMap::Block>();
+              fresh[i]->index = b.index;
+              block = fresh[i].get();
             }
             return block->voxels.data() + static_cast<std::size_t>(z) * BlockObserver::kSlice;
           };
@@ -127,7 +126,7 @@ class ProjectiveUpdate {
     const std::uint64_t before = map.revision();
     std::size_t count = 0;
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      std::unique_ptr<TsdfMap::Block> made = std::move(made_[i]);
+      std::unique_ptr<TsdfMap::Block> made = std::move(fresh[i]);
       if (changed_[i] == 0) continue;
       map.mark_changed(made ? map.adopt(std::move(made)) : blocks_[i].slot);
       ++count;
@@ -160,7 +159,6 @@ class ProjectiveUpdate {
   detail::ScanProjection scan_;
   detail::HitObserver hits_;
   std::vector<detail::ViewedBlock> blocks_;
-  std::vector<std::unique_ptr<TsdfMap::Block>> made_;
   std::vector<std::uint8_t> changed_;
 };
 

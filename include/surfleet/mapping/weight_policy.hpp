@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <utility>
 
 namespace surfleet {
 /// What TSDF fusion asks of a weighting rule.
@@ -67,6 +68,13 @@ struct DropOffWeight {
     return inner.from_squared_range(sdf, squared_range) * std::clamp(share, 0.0F, 1.0F);
   }
 };
+
+/// A rule's weight, whole up to a voxel behind the surface and nothing from one and a half on: what
+/// is seen of a wall says nothing of its other side.
+template <WeightPolicy Inner = InverseSquareWeight>
+DropOffWeight<Inner> drop_off_by_voxels(double voxel_size, Inner inner = {}) {
+  return {.full = voxel_size, .zero = 1.5 * voxel_size, .inner = std::move(inner)};
+}
 
 static_assert(SquaredRangeWeightPolicy<ConstantWeight>);
 static_assert(SquaredRangeWeightPolicy<InverseSquareWeight>);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What robots of one kind have in common: camera, body, limits, where they may be.
+/// @brief What robots of one kind have in common: sensor, body, limits, where they may be.
 #pragma once
 
 #include <bit>
@@ -15,6 +15,7 @@
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
 #include <surfleet/motion/collision_body.hpp>
+#include <surfleet/geometry/sensor_reading.hpp>
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/motion/swept_body.hpp>
 
@@ -36,6 +37,8 @@ struct RobotKind {
   /// What of the ball of `body_radius` the body takes up, whatever its heading; nothing: all of it.
   /// See `take_shape`. Teammates keep clear of the ball.
   std::optional<SweptBody> shape;
+  /// What it sees with in place of the camera, if anything: see `carry`.
+  std::optional<LidarModel> lidar{};
 
   /// Gives the robots a body of any shape; a ball again if that is one.
   template <CollisionBody Body>
@@ -51,7 +54,28 @@ struct RobotKind {
   /// How far the body reaches below its position [m].
   double depth() const { return shape ? shape->depth() : body_radius; }
   bool has_gimbal() const { return pitches != std::vector<double>{0.0}; }
+  SensorModel sensor() const { return lidar ? SensorModel(*lidar) : SensorModel(camera); }
+  /// `T_world_sensor` of a body at `q`.
+  Pose sensor_pose(const Configuration& q) const {
+    if (!lidar) return camera_pose(q, T_body_camera);
+    return q.pose() * Eigen::Translation3d(T_body_camera.translation());
+  }
+  /// Whether it sees the same whatever its heading.
+  bool sees_all_around() const { return lidar.has_value(); }
 };
+
+/// Has robots of the kind see with a LiDAR that stands upright in the body, at `place` [m].
+/// Planners know cameras alone: they plan for one that looks ahead and sees a part of what the
+/// LiDAR does
+/// (`camera_within`), so that a view never promises too much; what the LiDAR sees on all other
+/// sides comes without being planned for, and agents do not turn to a view's heading. Throws
+/// `Error` for a LiDAR that is none.
+inline void carry(RobotKind& kind, const LidarModel& lidar, const Point3& place = Point3::Zero()) {
+  kind.camera = camera_within(lidar);
+  kind.T_body_camera = forward_camera_mount(0.0, place);
+  kind.pitches = {0.0};
+  kind.lidar = lidar;
+}
 
 /// The same for kinds that see and reach the same, on whatever host, and almost certainly another
 /// for others: what one robot looked for in vain, another of its kind need not try.
@@ -85,6 +109,10 @@ inline std::uint32_t kind_number(const RobotKind& kind) {
         add(ring.low);
         add(ring.high);
       }
+  if (const auto& l = kind.lidar)
+    for (const double v : {static_cast<double>(l->azimuths), static_cast<double>(l->elevations),
+                           l->lowest, l->highest, l->min_range, l->max_range})
+      add(v);
   return static_cast<std::uint32_t>(h);
 }
 }  // namespace surfleet

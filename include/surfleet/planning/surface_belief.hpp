@@ -4,18 +4,20 @@
 /// it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <surfleet/core/error.hpp>
+#include <surfleet/mapping/any_integrator.hpp>
 #include <surfleet/mapping/surface_mesh.hpp>
-#include <surfleet/mapping/tsdf_integrator.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
@@ -32,9 +34,12 @@ struct SurfaceBeliefOptions {
   double known_weight = 0.3;     ///< W_th: a voxel of at least this weight is known.
   double observed_share = 0.15;  ///< Share of W_th from which a voxel serves flight and sight.
   TsdfOptions tsdf{};            ///< A truncation of 0 stands for three voxels.
-  LookLedgerOptions looks{};     ///< When an element is given up.
-  Box3 region;                   ///< Where surface is to be reconstructed [m].
-  std::uint64_t seed = 1;        ///< Of the roadmaps.
+  /// Folds what is seen into the map, with the options above in place of its own; nothing: the
+  /// projective one, whose weight 1/z² drops off behind the surface (`drop_off_by_voxels`).
+  std::optional<AnyIntegrator> integrator{};
+  LookLedgerOptions looks{};  ///< When an element is given up.
+  Box3 region;                ///< Where surface is to be reconstructed [m].
+  std::uint64_t seed = 1;     ///< Of the roadmaps.
 };
 
 /// Space and views as robots of one kind have them.
@@ -61,8 +66,8 @@ struct KindSpace {
 };
 
 /// Map, voxel states, incomplete surface, free space and roadmap for each kind of robot, and what
-/// was looked at in vain. Fed by images at poses; everything follows the change with `update`, at a
-/// cost by what has changed.
+/// was looked at in vain. Fed by images and scans at poses; everything follows the change with
+/// `update`, at a cost by what has changed.
 class SurfaceBelief {
  public:
   using Goal = IncompleteElement;
@@ -79,18 +84,16 @@ class SurfaceBelief {
   SurfaceBelief(const SurfaceBelief&) = delete;
   SurfaceBelief& operator=(const SurfaceBelief&) = delete;
 
-  /// The options with what 0 stands for. Throws `Error` on those out of range.
+  /// The options with what 0 and nothing stand for. Throws `Error` on those out of range.
   static SurfaceBeliefOptions checked(SurfaceBeliefOptions o) {
     require(o.voxel_size > 0.0 && std::isfinite(o.voxel_size),
             "voxel size: expected a positive length");
     require(o.known_weight > 0.0 && o.observed_share > 0.0 && o.observed_share <= 1.0,
             "known weight: expected a positive weight and a share in (0, 1]");
     if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
+    if (!o.integrator) o.integrator = TsdfIntegrator(o.tsdf, drop_off_by_voxels(o.voxel_size));
+    o.integrator->options = o.tsdf;
     return o;
-  }
-  /// How much an image counts: behind a surface it soon knows nothing, as beams have another side.
-  static DropOffWeight<> weight(const SurfaceBeliefOptions& o) {
-    return {.full = o.voxel_size, .zero = 1.5 * o.voxel_size};
   }
 
  private:
@@ -99,7 +102,6 @@ class SurfaceBelief {
       : options_(checked(std::move(options))),
         own_(std::move(own)),
         map_(followed != nullptr ? *followed : own_),
-        integrate_(options_.tsdf, weight(options_)),
         known_(map_, {.known_weight = options_.known_weight}),
         observed_(map_, {.known_weight = options_.known_weight * options_.observed_share}),
         flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
@@ -121,10 +123,12 @@ class SurfaceBelief {
   void add_known_free(RobotKindId kind, const Sphere& ball) {
     spaces_[kind]->free.add_known_free(ball);
   }
-  /// An image that was taken from a pose. Takes effect with the next `update`.
-  void integrate(const DepthImage& image, const PinholeCamera& camera, const Pose& T_world_camera) {
+  /// An image or a scan, or whichever of them a sensor has given, from a pose of that sensor. Takes
+  /// effect with the next `update`.
+  template <typename Seen, typename Sensor>
+  void integrate(const Seen& seen, const Sensor& sensor, const Pose& T_world_sensor) {
     require(&map_ == &own_, "belief: follows a map; expected images to go into that");
-    integrate_(image, camera, T_world_camera, own_);
+    (*options_.integrator)(seen, sensor, T_world_sensor, own_);
   }
   void update() {
     known_.update(map_);
@@ -181,10 +185,15 @@ class SurfaceBelief {
   bool is_open(const VoxelIndex& v) const {
     return incomplete_.contains(v) && !ledger_.given_up(v);
   }
-  /// Images from `at` that make a voxel known: W_th z², as the weights are 1/z².
+  /// Images or scans from `at` that make the surface in a voxel known: W_th over the integrator's
+  /// weight, and no less than hits need, which weigh 1/z² whatever that is. Two more, as some err.
   std::size_t images_needed(const Point3& at, const VoxelIndex& v) const {
+    constexpr double kMost = 1e9;
     const double z2 = (known_.grid().center(v) - at).squaredNorm();
-    return static_cast<std::size_t>(std::ceil(options_.known_weight * z2)) + 2;
+    const double weight = options_.integrator->weight(0.0, std::sqrt(z2));
+    const double images =
+        options_.known_weight * std::max(1.0 / weight, SurfaceHit::kFaceShare * z2);
+    return static_cast<std::size_t>(std::ceil(std::min(images, kMost))) + 2;
   }
   /// How complete the surface is by this belief's own account. O(surface).
   CoverageEstimate estimate_coverage() const {
@@ -200,7 +209,6 @@ class SurfaceBelief {
   SurfaceBeliefOptions options_;
   TsdfMap own_;
   const TsdfMap& map_;  // own_, unless it follows another
-  TsdfIntegrator<DropOffWeight<>> integrate_;
   VoxelStateMap known_, observed_, flyable_;
   IncompleteSurface incomplete_;
   LookLedger ledger_;

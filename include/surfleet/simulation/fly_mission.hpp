@@ -33,8 +33,8 @@ class AnyWorld {
     if constexpr (SightWorld<World>)
       sees_ = [&world](const Point3& a, const Point3& b) { return world.sees(a, b); };
   }
-  DepthImage capture(std::size_t robot, std::uint64_t shot,
-                     std::span<const Configuration> fleet) const {
+  SensorReading capture(std::size_t robot, std::uint64_t shot,
+                        std::span<const Configuration> fleet) const {
     return capture_(robot, shot, fleet);
   }
   /// Throws `Error` for a world that does not know.
@@ -44,7 +44,7 @@ class AnyWorld {
   }
 
  private:
-  std::function<DepthImage(std::size_t, std::uint64_t, std::span<const Configuration>)> capture_;
+  std::function<SensorReading(std::size_t, std::uint64_t, std::span<const Configuration>)> capture_;
   std::function<bool(const Point3&, const Point3&)> sees_;
 };
 

@@ -13,6 +13,7 @@ struct ImageDisc;
 struct JudgeReport;
 class MarkerImages;
 struct MarkerImageOptions;
+struct LidarWorldOptions;
 struct MarkerSightOptions;
 struct MissionOptions;
 struct MissionPreset;

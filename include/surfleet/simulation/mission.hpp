@@ -97,7 +97,7 @@ struct MissionObserver {
 
 /// What a centralised fleet says to its centre and hears from it, as [000 §5.4] counts it [bytes].
 struct CentralTraffic {
-  std::uint64_t images = 0;  ///< Depth of 16 bits a pixel, unpacked.
+  std::uint64_t images = 0;  ///< Of 16 bits a pixel's depth or a beam's range, unpacked.
   std::uint64_t poses = 0;   ///< One an image.
   std::uint64_t routes = 0;  ///< As in `robot_news.hpp`.
 };
@@ -118,7 +118,8 @@ struct MissionResult {
   CoverageEstimate coverage;                  ///< By its own account, at the end.
   std::map<LeftReason, std::size_t> reasons;  ///< Of all that remain.
   std::vector<MissionProgress> history;       ///< About once in ten seconds.
-  std::size_t images = 0, plans = 0, emergency_stops = 0, waits = 0;
+  std::size_t images = 0;                     ///< Or scans, of all robots.
+  std::size_t plans = 0, emergency_stops = 0, waits = 0;
   CentralTraffic traffic;  ///< Nothing of a robot alone, nor of a distributed fleet.
 
   /// Whether every robot stopped for a reason that was asked for.

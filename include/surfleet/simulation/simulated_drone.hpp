@@ -12,7 +12,7 @@
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/types.hpp>
 #include <surfleet/fleet/robot_body.hpp>
-#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/geometry/sensor_reading.hpp>
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/simulation/world_model.hpp>
 
@@ -37,7 +37,7 @@ class SimulatedDrone {
     gimbal_.yaw = goal_pitch_ = fleet[robot].pitch;
   }
 
-  DepthImage sense() {
+  SensorReading sense() {
     neighbours_ = *sense_neighbours_ ? (*sense_neighbours_)(robot_, shot_, *fleet_) : mates();
     return world_->capture(robot_, shot_++, *fleet_);
   }

@@ -106,10 +106,11 @@ class Simulation {
     record_.result.plans = planning_.requests.plans();
     record_.result.planning_time = planning_.requests.planning_time();
     if (agents_.size() > 1) {
-      const PinholeCamera& camera = options_.kind.camera;
-      const auto pixels =
-          static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
-      record_.result.traffic.images = record_.result.images * pixels * sizeof(std::uint16_t);
+      const RobotKind& kind = options_.kind;
+      const auto pixels = static_cast<std::uint64_t>(kind.camera.width) *
+                          static_cast<std::uint64_t>(kind.camera.height);
+      const std::uint64_t readings = kind.lidar ? kind.lidar->beams() : pixels;
+      record_.result.traffic.images = record_.result.images * readings * sizeof(std::uint16_t);
       record_.result.traffic.poses = record_.result.images * kPoseBytes;
     }
     for (const auto& agent : agents_)

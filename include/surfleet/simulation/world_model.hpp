@@ -12,18 +12,18 @@
 
 #include <surfleet/core/types.hpp>
 #include <surfleet/fleet/robot_body.hpp>
-#include <surfleet/geometry/pinhole_camera.hpp>
+#include <surfleet/geometry/sensor_reading.hpp>
 
 namespace surfleet {
-/// What cameras see: a simulator, or the world itself.
+/// What sensors see: a simulator, or the world itself.
 ///
-/// `capture(robot, shot, fleet)` is the depth image that robot takes as its shot-th, with all
-/// robots at the given configurations. It is asked for different robots at once, and must give the
-/// same image for the same arguments. Models: `DroneWorld`, `AnyWorld`.
+/// `capture(robot, shot, fleet)` is the depth image or scan that robot takes as its shot-th, with
+/// all robots at the given configurations. It is asked for different robots at once, and must give
+/// the same image for the same arguments. Models: `DroneWorld`, `LidarWorld`, `AnyWorld`.
 template <typename W>
 concept WorldModel = requires(W& world, std::size_t robot, std::uint64_t shot,
                               std::span<const Configuration> fleet) {
-  { world.capture(robot, shot, fleet) } -> std::same_as<DepthImage>;
+  { world.capture(robot, shot, fleet) } -> std::convertible_to<SensorReading>;
 };
 
 /// A world that also knows what is between places: `sees(a, b)`, whether nothing is. Networks whose
