@@ -14,8 +14,8 @@
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/keep_out.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>
-#include <surfleet/motion/collision_body.hpp>
 #include <surfleet/geometry/sensor_reading.hpp>
+#include <surfleet/motion/collision_body.hpp>
 #include <surfleet/motion/kinematics.hpp>
 #include <surfleet/motion/swept_body.hpp>
 
