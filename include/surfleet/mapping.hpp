@@ -9,7 +9,6 @@
 #include <surfleet/mapping/block_bits.hpp>
 #include <surfleet/mapping/distance_transform.hpp>
 #include <surfleet/mapping/grown_voxels.hpp>
-#include <surfleet/mapping/look_notes.hpp>
 #include <surfleet/mapping/map_file.hpp>
 #include <surfleet/mapping/map_patch.hpp>
 #include <surfleet/mapping/marching_cubes.hpp>
@@ -26,6 +25,7 @@
 #include <surfleet/mapping/tsdf_integrator.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
 #include <surfleet/mapping/update_policy.hpp>
+#include <surfleet/mapping/view_notes.hpp>
 #include <surfleet/mapping/voxel_grid.hpp>
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/mapping/voxel_traversal.hpp>

@@ -22,7 +22,7 @@
 #include <surfleet/motion/path_follower.hpp>
 #include <surfleet/motion/reachable_set.hpp>
 #include <surfleet/motion/shortcut.hpp>
+#include <surfleet/motion/string_pulling.hpp>
 #include <surfleet/motion/swept_body.hpp>
 #include <surfleet/motion/tangent_bug.hpp>
-#include <surfleet/motion/taut_path.hpp>
 #include <surfleet/motion/traffic_policy.hpp>

@@ -11,7 +11,7 @@
 #include <surfleet/planning/interest.hpp>
 #include <surfleet/planning/lattice_views.hpp>
 #include <surfleet/planning/named_planners.hpp>
-#include <surfleet/planning/opening_look.hpp>
+#include <surfleet/planning/opening_view.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/planner_settings.hpp>
 #include <surfleet/planning/robot_kind.hpp>
@@ -19,4 +19,4 @@
 #include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/planning/team_tour.hpp>
 #include <surfleet/planning/tour_planner.hpp>
-#include <surfleet/planning/with_space_looks.hpp>
+#include <surfleet/planning/with_frontier_views.hpp>

@@ -176,18 +176,18 @@ TEST(notes_that_no_robot_makes_are_refused) {
     spoil(odd.notes);
     return refused(forged(odd), {}, PlainPacker{});
   };
-  CHECK(!refuses([](LookNotes&) {}));
-  CHECK(!refuses([](LookNotes& n) { n = {}; }));
-  CHECK(refuses([](LookNotes& n) { n.looks[0].direction = {0, 0, 0}; }));
-  CHECK(refuses([](LookNotes& n) { n.looks[0].direction = {127, 127, 0}; }));
-  CHECK(refuses([](LookNotes& n) { n.looks[1] = n.looks[0]; }));
-  CHECK(refuses([](LookNotes& n) { std::swap(n.looks[0], n.looks[1]); }));
-  CHECK(refuses([](LookNotes& n) { n.looks[0].place[2] = -(1 << 29) - 1; }));
-  CHECK(refuses([](LookNotes& n) { n.looks.back().place[0] = 100000; }));  // out of reach
-  CHECK(refuses([](LookNotes& n) { n.failures[0].count = 0; }));
-  CHECK(refuses([](LookNotes& n) { n.failures[1].place = n.failures[0].place; }));
-  CHECK(refuses([](LookNotes& n) { std::swap(n.failures[0], n.failures[1]); }));
-  CHECK(refuses([](LookNotes& n) { n.failures.back().place[0] = 100000; }));
+  CHECK(!refuses([](ViewNotes&) {}));
+  CHECK(!refuses([](ViewNotes& n) { n = {}; }));
+  CHECK(refuses([](ViewNotes& n) { n.looks[0].direction = {0, 0, 0}; }));
+  CHECK(refuses([](ViewNotes& n) { n.looks[0].direction = {127, 127, 0}; }));
+  CHECK(refuses([](ViewNotes& n) { n.looks[1] = n.looks[0]; }));
+  CHECK(refuses([](ViewNotes& n) { std::swap(n.looks[0], n.looks[1]); }));
+  CHECK(refuses([](ViewNotes& n) { n.looks[0].place[2] = -(1 << 29) - 1; }));
+  CHECK(refuses([](ViewNotes& n) { n.looks.back().place[0] = 100000; }));  // out of reach
+  CHECK(refuses([](ViewNotes& n) { n.failures[0].count = 0; }));
+  CHECK(refuses([](ViewNotes& n) { n.failures[1].place = n.failures[0].place; }));
+  CHECK(refuses([](ViewNotes& n) { std::swap(n.failures[0], n.failures[1]); }));
+  CHECK(refuses([](ViewNotes& n) { n.failures.back().place[0] = 100000; }));
   for (const std::size_t at : {kLooksAt, kFailuresAt}) {
     const Bytes good = forged(patch);
     std::uint32_t there = 0;

@@ -74,8 +74,8 @@ inline PatchBlock random_patch_block(Random& random, const BlockIndex& index) {
   return b;
 }
 /// Of a few looks and failures about the origin, each once.
-inline LookNotes random_notes(Random& random, int count) {
-  LookNotes notes;
+inline ViewNotes random_notes(Random& random, int count) {
+  ViewNotes notes;
   const auto place = [&] {
     VoxelKey p{};
     for (int& v : p) v = static_cast<int>(random.below(9)) - 4;
@@ -86,7 +86,7 @@ inline LookNotes random_notes(Random& random, int count) {
     notes.looks.push_back({place(), quantised(Eigen::Vector3d(d.normalized()))});
     notes.failures.push_back({place(), static_cast<std::uint8_t>(1 + random.below(3))});
   }
-  return merged_notes(std::span<const LookNotes>(&notes, 1));
+  return merged_notes(std::span<const ViewNotes>(&notes, 1));
 }
 /// About `blocks` of them, none empty, in a box of `side` blocks about the origin.
 inline MapPatch random_patch(std::uint64_t seed, int blocks, int side = 4) {

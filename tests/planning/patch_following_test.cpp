@@ -9,10 +9,10 @@
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/viewpoint/frontiers.hpp>
 #include <surfleet/viewpoint/gain.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>
-#include <surfleet/viewpoint/unseen_space.hpp>
 #include <surfleet/viewpoint/view_memory.hpp>
 
 #include "../mapping/patch_scenes.hpp"
@@ -31,7 +31,7 @@ struct Followers {
   IncompleteSurface incomplete{{.known_weight = 0.3}};
   FreeSpace free;
   LazyPrmStar roadmap;
-  UnseenSpace unseen;
+  Frontiers unseen;
   SurfacePredictor predict;
   ChangedRegions changed;
   SightMemory sights;

@@ -11,12 +11,12 @@
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/planning/rolling_tours.hpp>
 #include <surfleet/planning/tour_planner.hpp>
+#include <surfleet/viewpoint/frontiers.hpp>
 #include <surfleet/viewpoint/gain.hpp>
-#include <surfleet/viewpoint/look_bound.hpp>
-#include <surfleet/viewpoint/look_ledger.hpp>
-#include <surfleet/viewpoint/unseen_space.hpp>
+#include <surfleet/viewpoint/gain_around.hpp>
+#include <surfleet/viewpoint/gain_bound.hpp>
+#include <surfleet/viewpoint/view_ledger.hpp>
 #include <surfleet/viewpoint/view_memory.hpp>
-#include <surfleet/viewpoint/worth_around.hpp>
 
 #include "check.hpp"
 #include "paint_states.hpp"
@@ -157,7 +157,7 @@ std::vector<SightTarget> scattered_targets(Random& random, int count, const Box3
     SightTarget t;
     for (int axis = 0; axis < 3; ++axis)
       t.position[axis] = random.uniform(box.min()[axis], box.max()[axis]);
-    t.worth = random.uniform(0.1, 2.0);
+    t.gain = random.uniform(0.1, 2.0);
     targets.push_back(t);
   }
   return targets;
@@ -179,14 +179,14 @@ TEST(look_bound_is_never_below_what_is_in_view) {
       headings);
   const Slab slab;
   const FlightLattice<Slab> lattice(slab, {Point3(-3, -2, 0), Point3(5, 6, 3)}, 0.7);
-  const LookBound most(targets.all(), lattice, headings, targets.reach());
+  const GainBound most(targets.all(), lattice, headings, targets.reach());
   const std::vector<char> none(targets.size(), 0);
   double bounds = 0.0, looks = 0.0;
   for (int i = 0; i < 200; ++i) {
     VoxelIndex node;
     for (int axis = 0; axis < 3; ++axis)
       node[axis] = static_cast<int>(random.uniform(0, lattice.count()[axis]));
-    const auto seen = worth_by_view(targets, targets.seen_from(lattice.position(node)), none);
+    const auto seen = gain_by_view(targets, targets.seen_from(lattice.position(node)), none);
     const auto bound = most(node);
     for (std::size_t k = 0; k < kHeadings; ++k) {
       CHECK(bound[k] >= seen[k]);
@@ -204,15 +204,15 @@ TEST(look_bound_is_never_below_what_is_in_view) {
     d *= random.uniform(3.6, 4.0) / d.norm();
     const SightTargets<Anything> one(
         {{lattice.position(node) + d, Eigen::Vector3d::Zero(), 1.0, 0}}, Anything{}, headings);
-    const LookBound bound(one.all(), lattice, headings, one.reach());
-    const auto worth = worth_by_view(one, one.seen_from(lattice.position(node)), none);
+    const GainBound bound(one.all(), lattice, headings, one.reach());
+    const auto gain = gain_by_view(one, one.seen_from(lattice.position(node)), none);
     for (std::size_t k = 0; k < kHeadings; ++k) {
-      CHECK(bound(node)[k] >= worth[k]);
-      seen += worth[k] > 0.0 ? 1 : 0;
+      CHECK(bound(node)[k] >= gain[k]);
+      seen += gain[k] > 0.0 ? 1 : 0;
     }
   }
   CHECK(seen > 400);
-  const LookBound nothing({}, lattice, headings, 4.0);
+  const GainBound nothing({}, lattice, headings, 4.0);
   CHECK(nothing.in_any_view(VoxelIndex::Zero()) == 0.0);
 }
 
@@ -221,23 +221,23 @@ TEST(worth_around_bounds_what_a_look_can_see) {
   const std::vector<SightTarget> targets =
       scattered_targets(random, 300, {Point3::Constant(-9), Point3::Constant(9)});
   const double reach = 2.5;
-  const WorthAround around(targets, reach);
+  const GainAround around(targets, reach);
   double most = 0.0;
   for (int i = 0; i < 200; ++i) {
     const Point3 p(random.uniform(-11, 11), random.uniform(-11, 11), random.uniform(-11, 11));
     double ball = 0.0, cube = 0.0;
     const Eigen::Array3i cell = (p / reach).array().floor().cast<int>();
     for (const SightTarget& t : targets) {
-      if ((t.position - p).norm() <= reach) ball += t.worth;
+      if ((t.position - p).norm() <= reach) ball += t.gain;
       const Eigen::Array3i c = (t.position / reach).array().floor().cast<int>();
-      if ((c - cell).abs().maxCoeff() <= 1) cube += t.worth;
+      if ((c - cell).abs().maxCoeff() <= 1) cube += t.gain;
     }
     CHECK(around(p) >= ball - 1e-9);
     CHECK(std::abs(around(p) - cube) < 1e-9);
     most = std::max(most, cube);
   }
   CHECK(around.largest() >= most - 1e-9);
-  CHECK(WorthAround({}, 1.0).largest() == 0.0 && WorthAround({}, 1.0)({0, 0, 0}) == 0.0);
+  CHECK(GainAround({}, 1.0).largest() == 0.0 && GainAround({}, 1.0)({0, 0, 0}) == 0.0);
 }
 
 /// Pillars on a floor, and unknown space among them that ends what is known.
@@ -259,7 +259,7 @@ TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
   incomplete.update(states);
   const PinholeCamera camera = PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0);
   const ViewFrustum frustum(camera);
-  LookLedger ledger({.max_looks = 3});
+  ViewLedger ledger({.max_views = 3});
 
   ChangedRegions changed;
   ViewpointMemory viewpoints;
@@ -318,7 +318,7 @@ TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
                                                          : VoxelState::unknown);
     }
     const Viewpoint& look = kept[random.below(kept.size())];
-    ledger.looked_in_vain(elements[static_cast<std::size_t>(look.targets[0])].voxel,
+    ledger.viewed_in_vain(elements[static_cast<std::size_t>(look.targets[0])].voxel,
                           look.direction);
     wall = random.uniform(6.0, 12.0);
     states.update(map);
@@ -500,7 +500,7 @@ TEST(unseen_space_is_the_border_of_what_is_known_empty) {
     return v.x() < 15 ? VoxelState::empty : v.y() < 0 ? VoxelState::occupied : VoxelState::unknown;
   });
   VoxelStateMap states(map);
-  UnseenSpace space({.max_looks = 2});
+  Frontiers space({.max_views = 2});
   const Box3 region(Point3(0.1, -3.9, -1.9), Point3(9.9, 3.9, 1.9));
   space.update(states, region, 1.04);  // five voxels: 1 m
   CHECK_NEAR(space.edge(), 1.0, 1e-12);
@@ -509,11 +509,11 @@ TEST(unseen_space_is_the_border_of_what_is_known_empty) {
     CHECK_NEAR(space.center(i).x(), 3.5, 1e-12);
     CHECK(space.center(i).y() > 0.0 && region.contains(space.center(i)));
   }
-  space.note_look(3);
+  space.note_view(3);
   space.update(states, region, 1.0);
   CHECK(space.size() == 16);
   const Point3 given_up = space.center(3);
-  space.note_look(3);
+  space.note_view(3);
   space.update(states, region, 1.0);
   CHECK(space.size() == 15);
   for (std::size_t i = 0; i < space.size(); ++i) CHECK((space.center(i) - given_up).norm() > 0.5);
@@ -522,7 +522,7 @@ TEST(unseen_space_is_the_border_of_what_is_known_empty) {
 
   // Followed by the change it is what it would be found to be anew.
   Random random(4);
-  UnseenSpace followed;
+  Frontiers followed;
   const Box3 inner(Point3(0.1, -3.7, -1.7), Point3(9.7, 3.7, 1.7));
   for (int round = 0; round < 20; ++round) {
     for (int k = 0; k < 400; ++k)
@@ -532,7 +532,7 @@ TEST(unseen_space_is_the_border_of_what_is_known_empty) {
                      static_cast<int>(random.below(20)) - 10),
           random.uniform(0.0, 1.0) < 0.7 ? VoxelState::empty : VoxelState::occupied);
     states.update(map);
-    UnseenSpace anew;
+    Frontiers anew;
     followed.update(states, inner, 0.6);
     anew.update(states, inner, 0.6);
     CHECK(followed.size() == anew.size() && followed.size() > 0);
@@ -564,7 +564,7 @@ TEST(what_unseen_space_held_tells_what_it_may_hold) {
   map_test::paint(map, {0, -20, -20}, {14, 19, 19},
                   [](const VoxelIndex&) { return VoxelState::empty; });
   VoxelStateMap states(map);
-  UnseenSpace space({.prior_chance = 0.25, .prior_cells = 4.0});
+  Frontiers space({.prior_chance = 0.25, .prior_cells = 4.0});
   const Box3 region(Point3(0.1, -3.9, -3.9), Point3(9.9, 3.9, 3.9));
   const auto chance_at = [&](double z) {
     for (std::size_t i = 0; i < space.size(); ++i)
@@ -602,18 +602,18 @@ TEST(what_unseen_space_held_tells_what_it_may_hold) {
   CHECK_NEAR(chance_at(2.5), 1.0 / 12.0, 1e-12);
   space.update(states, Box3(Point3(0.1, -3.9, -3.9), Point3(9.8, 3.9, 3.9)), 1.0);
   CHECK_NEAR(chance_at(2.5), 0.25, 1e-12);
-  CHECK_THROWS(Error, UnseenSpace({.prior_chance = 0.0}));
-  CHECK_THROWS(Error, UnseenSpace({.prior_cells = 0.0}));
+  CHECK_THROWS(Error, Frontiers({.prior_chance = 0.0}));
+  CHECK_THROWS(Error, Frontiers({.prior_cells = 0.0}));
 }
 TEST(ledger_gives_up_after_so_many_looks) {
-  LookLedger ledger({.max_looks = 2, .max_failures = 2});
+  ViewLedger ledger({.max_views = 2, .max_failures = 2});
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::UnitX();
   const VoxelIndex v(1, -2, 3), w(4, 5, 6);
   CHECK(!ledger.given_up(v) && ledger.fresh(v) && ledger.promises(v, up));
-  ledger.looked_in_vain(v, up);
+  ledger.viewed_in_vain(v, up);
   CHECK(!ledger.given_up(v) && !ledger.fresh(v));
   CHECK(!ledger.promises(v, (up + 0.3 * side).normalized()) && ledger.promises(v, side));
-  ledger.looked_in_vain(v, side);
+  ledger.viewed_in_vain(v, side);
   CHECK(ledger.reason(v) == LeftReason::seen_incomplete);
   const std::array<VoxelIndex, 3> one_place{w, VoxelIndex(5, 4, 6), VoxelIndex(4, 4, 7)};
   ledger.not_reached(one_place);  // one way that was not found, however many elements it led to

@@ -13,7 +13,7 @@
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
-#include <surfleet/planning/opening_look.hpp>
+#include <surfleet/planning/opening_view.hpp>
 #include <surfleet/planning/rolling_tours.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 
@@ -41,7 +41,7 @@ struct ListedViews {
     for (std::size_t k = 0; k < kHeadings; ++k) most = std::max(most, gain(s, k));
     return loose ? 1.5 * most + 0.1 : most;
   }
-  double look(std::size_t s, double enough, WorthByView& by_view) {
+  double look(std::size_t s, double enough, GainByView& by_view) {
     for (std::size_t k = 0; k < kHeadings; ++k) by_view[k] = gain(s, k);
     const double most = by_view.most();
     if (loose && most < enough) {
@@ -384,7 +384,7 @@ TEST(the_look_that_opens_a_way_shows_what_a_body_needs_of_it) {
   const auto reach = still.roadmap.reach_from(start);
   const std::vector<Point3> way{Point3(0, 0, 1.2), Point3(0, 0, 1.8), Point3(0, 0, 2.4),
                                 Point3(0, 0, 3.0)};
-  OpeningLooks opens;
+  OpeningViews opens;
   int looks = 0;
   std::set<VoxelKey> shown;
   while (const auto look = opens(situation, lattice, reach, robots[0].configuration, start, way)) {
@@ -408,7 +408,7 @@ TEST(the_look_that_opens_a_way_shows_what_a_body_needs_of_it) {
   // The map stands still, so in the end all is given up.
   CHECK(looks >= 3 && !shown.empty());
   const std::vector<Point3> open{Point3(0, 0, 0.5), Point3(1, 0, 0.5)};
-  CHECK(!OpeningLooks()(situation, lattice, reach, robots[0].configuration, start, open));
+  CHECK(!OpeningViews()(situation, lattice, reach, robots[0].configuration, start, open));
 }
 
 TEST(robots_open_the_way_to_what_they_cannot_see_yet) {
@@ -485,7 +485,7 @@ TEST(views_gain_what_is_in_sight_and_not_taken_however_much_is_enough) {
         static_cast<std::size_t>(random.uniform(0.0, 1.0) * static_cast<double>(views.size()));
     const LatticeViews::Site site = views[s];
     const auto seen = (site.known ? targets : hoped).seen_from(lattice.position(site.cell));
-    WorthByView truth = worth_by_view(targets, seen, done), gain;
+    GainByView truth = gain_by_view(targets, seen, done), gain;
     for (std::size_t k = 0; k < truth.size(); ++k) truth[k] *= site.known ? 1.0 : 0.7;
     const double best = truth.most();
     CHECK(views.most(s) >= best - 1e-9);

@@ -110,10 +110,10 @@ TEST(what_one_robot_looked_at_in_vain_no_other_looks_at) {
     const DistributedResult r = simulation.run();
     CHECK(r.mission.complete && r.maps_equal);
     std::map<VoxelKey, std::set<RobotId>> who_looked;
-    LookLedger all(o.belief.looks);
+    ViewLedger all(o.belief.looks);
     const auto& patches = simulation.robot(0).patches();
     patches.held().for_each_beyond({}, [&](const PatchKey& key) {
-      const LookNotes notes = patches.patch(key).notes;
+      const ViewNotes notes = patches.patch(key).notes;
       all.add(notes);
       for (const auto& look : notes.looks) who_looked[look.place].insert(key.robot);
       return true;

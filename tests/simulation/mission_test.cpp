@@ -13,7 +13,7 @@
 #include <surfleet/mapping/mesh_extractor.hpp>
 #include <surfleet/planning/rolling_tours.hpp>
 #include <surfleet/planning/tour_planner.hpp>
-#include <surfleet/planning/with_space_looks.hpp>
+#include <surfleet/planning/with_frontier_views.hpp>
 
 namespace {
 using namespace surfleet;
@@ -31,7 +31,7 @@ struct NoPlan {
 static_assert(FleetPlanner<NoPlan> && !FleetPlanner<int>);
 static_assert(WorldModel<World> && !WorldModel<NoPlan>);
 static_assert(FleetPlanner<RollingTours> && FleetPlanner<TsgaPlanner>);
-static_assert(FleetPlanner<WithSpaceLooks<NoPlan>>);
+static_assert(FleetPlanner<WithFrontierViews<NoPlan>>);
 
 /// Compiled once for all planners; `NoPlan` flies a mission of its own type.
 using AnyMission = Simulation<AnyPlanner, World>;
@@ -139,7 +139,7 @@ TEST(a_planner_that_answers_amiss_is_refused) {
   };
   CHECK_THROWS(Error, fly([](const SurfaceSituation&) { return Plan{}; }));
   CHECK_THROWS(Error, fly(AnyPlanner()));
-  CHECK_THROWS(Error, fly(WithSpaceLooks([](const SurfaceSituation&) { return Plan{}; })));
+  CHECK_THROWS(Error, fly(WithFrontierViews([](const SurfaceSituation&) { return Plan{}; })));
 }
 TEST(a_centralised_fleet_counts_images_poses_and_routes) {
   World world;
@@ -177,7 +177,7 @@ TEST(looks_at_space_widen_what_is_known_and_come_to_an_end) {
   const MissionOptions o = box_world::options(world);
   Simulation<NoPlan, World> still(o, world, box_world::starts(2));
   still.run();
-  WithSpaceLooks<NoPlan> looks(NoPlan{}, {.distance = 2.0});
+  WithFrontierViews<NoPlan> looks(NoPlan{}, {.distance = 2.0});
   AnyMission mission(o, world, box_world::starts(2), std::ref(looks));
   const MissionResult result = mission.run();
   CHECK(result.complete);

@@ -136,9 +136,9 @@ TEST(worth_counts_what_is_not_done) {
   const HeadingTable headings(camera(), forward_camera_mount());
   const SightTargets sight(targets, MapSight(states), headings, {});
   const auto seen = sight.seen_from({2.0, 2.1, 5.0});
-  CHECK_NEAR(worth_by_view(sight, seen, std::vector<char>{0, 0})[0], 5.0, 1e-12);
-  CHECK_NEAR(worth_by_view(sight, seen, std::vector<char>{0, 1})[0], 2.0, 1e-12);
-  CHECK_NEAR(worth_by_view(sight, seen, std::vector<char>{0, 0})[8], 0.0, 1e-12);
+  CHECK_NEAR(gain_by_view(sight, seen, std::vector<char>{0, 0})[0], 5.0, 1e-12);
+  CHECK_NEAR(gain_by_view(sight, seen, std::vector<char>{0, 1})[0], 2.0, 1e-12);
+  CHECK_NEAR(gain_by_view(sight, seen, std::vector<char>{0, 0})[8], 0.0, 1e-12);
 }
 TEST(no_targets_no_sightings) {
   const TsdfMap map({.voxel_size = 0.25});

@@ -18,7 +18,7 @@
 
 #include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/endurance.hpp>
-#include <surfleet/fleet/looks_in_vain.hpp>
+#include <surfleet/fleet/note_views_in_vain.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
 #include <surfleet/fleet/watchful_view.hpp>
@@ -269,7 +269,7 @@ class Agent {
   void leave_stop() {
     Configuration at = body_->estimate();
     if (kind().sees_all_around()) at.yaw = route_.front().configuration.yaw;
-    note_looks_in_vain(*belief_, space(), at, route_.front(), images_, most_images());
+    note_views_in_vain(*belief_, space(), at, route_.front(), images_, most_images());
     route_.erase(route_.begin());
     phase_ = Phase::waiting;
   }

@@ -27,10 +27,10 @@ inline std::optional<Configuration> watchful_view(const SurfaceBelief& belief,
   const SightTargets targets(std::move(near), MapSight(belief.observed()), space.headings,
                              {.max_range = reach});
   const std::vector<char> none(targets.size(), 0);
-  const auto worth = worth_by_view(targets, targets.seen_from(here), none);
-  const auto best = std::max_element(worth.begin(), worth.end());
+  const auto gain = gain_by_view(targets, targets.seen_from(here), none);
+  const auto best = std::max_element(gain.begin(), gain.end());
   if (*best <= 0.0) return std::nullopt;
-  return space.headings.at(here, static_cast<int>(best - worth.begin()));
+  return space.headings.at(here, static_cast<int>(best - gain.begin()));
 }
 
 /// The same for a robot with `left` metres before its goal; the goal's view where there is none, or

@@ -8,7 +8,7 @@ class AnyIntegrator;
 struct ConstantWeight;
 class GrownVoxels;
 struct InverseSquareWeight;
-struct LookNotes;
+struct ViewNotes;
 struct MapFileOptions;
 struct MapPatch;
 class MeshExtractor;

@@ -15,8 +15,8 @@
 
 #include <surfleet/core/transport.hpp>
 #include <surfleet/core/types.hpp>
-#include <surfleet/mapping/look_notes.hpp>
 #include <surfleet/mapping/tsdf_map.hpp>
+#include <surfleet/mapping/view_notes.hpp>
 
 namespace surfleet {
 /// Which patch: the `number`-th of a robot since it was started for the `incarnation`-th time.
@@ -85,7 +85,7 @@ struct MapPatch {
   Pose anchor = Pose::Identity();  ///< Of the camera at the first image, in the patch's frame.
   std::uint32_t images = 0;        ///< How many it is made of.
   std::vector<PatchBlock> blocks;  ///< In the order of `patch_order`, none of them empty.
-  LookNotes notes;                 ///< What its robot has looked for in vain since the last one.
+  ViewNotes notes;                 ///< What its robot has looked for in vain since the last one.
 
   std::size_t seen() const {
     std::size_t n = 0;

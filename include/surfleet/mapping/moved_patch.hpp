@@ -172,7 +172,7 @@ inline MapPatch coalesced_patch(std::span<const MapPatch> patches, const PatchKe
   whole.truncation = patches[0].truncation;
   whole.anchor = patches[0].anchor;
   std::map<VoxelKey, Sum> sums;
-  std::vector<LookNotes> notes;
+  std::vector<ViewNotes> notes;
   for (const MapPatch& patch : patches) {
     require(patch.voxel_size == whole.voxel_size && patch.truncation == whole.truncation,
             "coalescing patches: expected one voxel size and truncation");

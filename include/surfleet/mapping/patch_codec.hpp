@@ -166,7 +166,7 @@ EncodedPatch encode_patch(const MapPatch& patch, const Packer& packer = {}) {
             "patch: blocks out of order; expected each once, by z, y and x");
   const Bytes facts = detail::patch_facts(patch, box);
   Bytes payload = detail::put_patch_blocks(patch.blocks, box);
-  const Bytes notes = detail::put_look_notes(patch.notes);
+  const Bytes notes = detail::put_view_notes(patch.notes);
   payload.insert(payload.end(), notes.begin(), notes.end());
   const Bytes packed = packer.pack(payload);
   PatchId id = patch.id;
@@ -257,7 +257,7 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
         "more blocks than its box or a patch can have");
   sound(count == 0 || patch.images > 0, "blocks, but no images");
   sound(looks <= limits.notes && failures <= limits.notes, "more looks in vain than it may have");
-  const std::size_t notes_size = looks * detail::kLookBytes + failures * detail::kFailureBytes;
+  const std::size_t notes_size = looks * detail::kViewBytes + failures * detail::kFailureBytes;
   sound(size >= count * detail::kLeastPatchBlock + notes_size &&
             size <= count * detail::kMostPatchBlock + notes_size,
         "blocks of a size that they cannot have");
@@ -273,8 +273,8 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
   patch.blocks = detail::get_patch_blocks(
       view.first(size - notes_size), count, box,
       most < kPatchMaxWeight ? static_cast<std::uint32_t>(most) : kPatchMaxWeight, what);
-  detail::get_look_notes(view.last(notes_size), looks, failures, patch.notes, what);
-  const double place = kLookPlaceVoxels * patch.voxel_size;
+  detail::get_view_notes(view.last(notes_size), looks, failures, patch.notes, what);
+  const double place = kViewPlaceVoxels * patch.voxel_size;
   const auto near = [&](const VoxelKey& p) {
     for (std::size_t k = 0; k < 3; ++k)
       if (!(std::abs(place * p[k] - patch.anchor.translation()[static_cast<int>(k)]) <=
@@ -282,9 +282,9 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
         return false;
     return true;
   };
-  for (const LookNotes::Look& l : patch.notes.looks)
+  for (const ViewNotes::Look& l : patch.notes.looks)
     sound(near(l.place), "looks out of reach of its images");
-  for (const LookNotes::Failure& f : patch.notes.failures)
+  for (const ViewNotes::Failure& f : patch.notes.failures)
     sound(near(f.place), "looks out of reach of its images");
   return patch;
 }

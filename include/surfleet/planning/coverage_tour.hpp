@@ -139,17 +139,17 @@ class CoverageTourPlanner {
     grow();
     for (int round = 0; round < options_.rounds; ++round) {
       improve_order();
-      look_on_the_way();
+      view_on_the_way();
       drop_useless();
       grow();
     }
     improve_order();
     // What was seen on the way to a stop that is gone, or in another order, does not count.
     for (int round = 0; round < options_.rounds; ++round) {
-      look_on_the_way();
+      view_on_the_way();
       grow();
     }
-    look_on_the_way();
+    view_on_the_way();
     fly(tour);
     return tour;
   }
@@ -297,13 +297,13 @@ class CoverageTourPlanner {
 
   /// Looks taken on the way, facing as at the next viewpoint, as a drone would that turns while
   /// it flies.
-  void look_on_the_way() {
+  void view_on_the_way() {
     en_route_.assign(surface_.points.size(), 0);
     for (std::size_t k = 0; k < stops_.size(); ++k) {
       const auto path = roadmap_.query(place(k), place(k + 1));
       if (!path) continue;
       const int view = candidates_[stops_[k]].view;
-      for_each_look_along(*path, [&](const Point3& p) {
+      for_each_view_along(*path, [&](const Point3& p) {
         for (const Sighting& seen : targets_.seen_from(p))
           if (has_view(seen.views, view)) en_route_[static_cast<std::size_t>(seen.target)] = 1;
       });
@@ -311,7 +311,7 @@ class CoverageTourPlanner {
   }
   /// Calls `look` with the places of a path where an image is taken.
   template <typename Look>
-  void for_each_look_along(const Path& path, Look&& look) const {
+  void for_each_view_along(const Path& path, Look&& look) const {
     double until = options_.image_spacing;
     for (std::size_t s = 1; s < path.points.size(); ++s) {
       const Point3 a = path.points[s - 1], b = path.points[s];
@@ -359,7 +359,7 @@ class CoverageTourPlanner {
       const Configuration stop = headings_.at(place(k + 1), candidates_[stops_[k]].view);
       if (const auto path = roadmap_.query(place(k), place(k + 1))) {
         tour.path.insert(tour.path.end(), path->points.begin() + 1, path->points.end());
-        for_each_look_along(*path, [&](const Point3& p) {
+        for_each_view_along(*path, [&](const Point3& p) {
           tour.looks.push_back({p, stop.yaw, stop.pitch});
         });
       }

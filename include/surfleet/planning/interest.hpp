@@ -13,10 +13,10 @@
 #include <vector>
 
 #include <surfleet/planning/plan.hpp>
+#include <surfleet/viewpoint/frontiers.hpp>
+#include <surfleet/viewpoint/gain_around.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 #include <surfleet/viewpoint/surface_prediction.hpp>
-#include <surfleet/viewpoint/unseen_space.hpp>
-#include <surfleet/viewpoint/worth_around.hpp>
 
 namespace surfleet {
 struct InterestOptions {
@@ -63,9 +63,9 @@ class Interest {
                                     : std::span<const std::int32_t>();
   }
   /// A view of this target of the last call, at `position`, did not bring it.
-  void looked_in_vain(std::size_t target, const Point3& position, double voxel) {
+  void viewed_in_vain(std::size_t target, const Point3& position, double voxel) {
     if (target >= predicted_)
-      frontier_.note_look(target - predicted_);
+      frontier_.note_view(target - predicted_);
     else if (target >= elements_)
       ++vain_[cell_of(position, voxel)];
   }
@@ -88,7 +88,7 @@ class Interest {
         targets.push_back({e.frontier(voxel), e.direction, 0.0, kDepth});
         members_.emplace_back();
       }
-      targets[it->second].worth += options.element_faces * voxel * voxel;
+      targets[it->second].gain += options.element_faces * voxel * voxel;
       members_[it->second].push_back(static_cast<std::int32_t>(i));
     }
   }
@@ -108,7 +108,7 @@ class Interest {
   void add_frontier(const SurfaceSituation& situation, double range,
                     std::vector<SightTarget>& targets) {
     frontier_.update(situation.belief.observed(), situation.belief.region(), kFrontierCell * range);
-    const WorthAround surface(targets, kNear * range);
+    const GainAround surface(targets, kNear * range);
     const double full = options.frontier_full * range * range;
     const double area = frontier_.edge() * frontier_.edge();
     for (std::size_t i = 0; i < frontier_.size(); ++i) {
@@ -135,7 +135,7 @@ class Interest {
   std::vector<std::vector<std::int32_t>> members_;  // goals by target
   std::size_t elements_ = 0, predicted_ = 0;        // where their targets end
   SurfacePredictor predict_;
-  UnseenSpace frontier_;
+  Frontiers frontier_;
   std::map<VoxelKey, int> vain_;  // views of predicted surface
 };
 }  // namespace surfleet

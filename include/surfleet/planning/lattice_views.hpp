@@ -16,7 +16,7 @@
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/planning/team_tour.hpp>
-#include <surfleet/viewpoint/look_bound.hpp>
+#include <surfleet/viewpoint/gain_bound.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
@@ -66,11 +66,11 @@ class LatticeViews {
     const Site& site = places_[s].site;
     return share_of(site) * (any(site.cell) ? most_(site.cell).most() : 0.0);
   }
-  double look(std::size_t s, double enough, WorthByView& gain) {
+  double look(std::size_t s, double enough, GainByView& gain) {
     Place& place = places_[s];
     const double share = share_of(place.site);
     View& view = view_of(place);
-    gain = worth_by_view(*targets_, view.seen, done_);
+    gain = gain_by_view(*targets_, view.seen, done_);
     if (const double most = share * gain.most(); most <= enough) return most;
     // Lines of sight are told for views that may yet be enough.
     const auto may_do = [&] {
@@ -83,11 +83,11 @@ class LatticeViews {
     cast(place.site, view, wanted, [&](const Sighting& hidden) {
       for (ViewBits bits = hidden.views; bits != 0; bits &= bits - 1)
         gain[static_cast<std::size_t>(std::countr_zero(bits))] -=
-            (*targets_)[static_cast<std::size_t>(hidden.target)].worth;
+            (*targets_)[static_cast<std::size_t>(hidden.target)].gain;
       return wanted = may_do();
     });
     if (wanted == 0) return share * gain.most() + kRounding;
-    gain = worth_by_view(*targets_, view.seen, done_);
+    gain = gain_by_view(*targets_, view.seen, done_);
     const std::size_t n = node(s);
     for (std::size_t k = 0; k < gain.size(); ++k)
       gain[k] = vain_->contains(n, static_cast<int>(k), gain[k]) ? 0.0 : share * gain[k];
@@ -159,7 +159,7 @@ class LatticeViews {
   const SightTargets<>* targets_;
   FlightLattice<FreeSpace>* lattice_;
   const ViewsInVain* vain_;
-  LookBound most_;
+  GainBound most_;
   double unknown_gain_;
   std::vector<char> done_;  // by target
   std::vector<Place> places_;

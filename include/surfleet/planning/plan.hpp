@@ -124,7 +124,7 @@ struct Plan {
 
 /// A high-level planner: turns what is believed into routes. It may keep state between calls, of
 /// that belief, so a planner is for one mission. Models: `RollingTours`, `TourPlanner` (TSGA, NNB
-/// and their kin), `WithSpaceLooks`.
+/// and their kin), `WithFrontierViews`.
 template <typename P>
 concept FleetPlanner = requires(P& planner, const SurfaceSituation& situation) {
   { planner(situation) } -> std::same_as<Plan>;

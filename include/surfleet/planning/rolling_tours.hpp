@@ -18,10 +18,10 @@
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
-#include <surfleet/motion/taut_path.hpp>
+#include <surfleet/motion/string_pulling.hpp>
 #include <surfleet/planning/interest.hpp>
 #include <surfleet/planning/lattice_views.hpp>
-#include <surfleet/planning/opening_look.hpp>
+#include <surfleet/planning/opening_view.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/team_tour.hpp>
 #include <surfleet/viewpoint/view_limits.hpp>
@@ -275,7 +275,7 @@ class RollingTours {
     const double range = s.space().kind.camera.max_range;
     std::vector<Point3> places;
     for (const TeamTourStop& stop : tour) places.push_back(sites[stop.site]);
-    const std::vector<Point3> taut = taut_path(robot.start, places, options.slack * range);
+    const std::vector<Point3> taut = pulled_string(robot.start, places, options.slack * range);
     Stops route;
     std::erase_if(moved_, [&](const Moved& m) { return m.robot == robot.id; });
     for (std::size_t k = 0; k < std::min(tour.size(), kGiven); ++k) {
@@ -299,7 +299,7 @@ class RollingTours {
                       const Configuration& at, int view, const Point3& wish,
                       std::span<const char> done) const {
     const auto gain = [&](const Point3& p) {
-      return worth_by_view(targets, targets.seen_from(p), done)[static_cast<std::size_t>(view)];
+      return gain_by_view(targets, targets.seen_from(p), done)[static_cast<std::size_t>(view)];
     };
     const double whole = gain(at.position);
     for (const double share : {1.0, 0.67, 0.33}) {
@@ -340,11 +340,11 @@ class RollingTours {
       return;
     const std::vector<Sighting> seen = targets.seen_from(place);
     std::vector<char> done(targets.size(), 0);
-    const double gain = worth_by_view(targets, seen, done)[static_cast<std::size_t>(view)];
+    const double gain = gain_by_view(targets, seen, done)[static_cast<std::size_t>(view)];
     if (!vain_.note(lattice.index(cell), view, gain))
       return;  // A robot that stands there still has not looked anew.
     mark_in_view(seen, view, done, [&](std::size_t id) {
-      interest_.looked_in_vain(id, targets[id].position, s.belief.known().voxel_size());
+      interest_.viewed_in_vain(id, targets[id].position, s.belief.known().voxel_size());
     });
   }
 
@@ -362,7 +362,7 @@ class RollingTours {
 
   Interest interest_;
   OptimisticLattice optimistic_;
-  OpeningLooks opening_;
+  OpeningViews opening_;
   ViewsInVain vain_;
   std::optional<Lattice> lattice_;
   std::uint64_t followed_ = 0;                        // revision of its space

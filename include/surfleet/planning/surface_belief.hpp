@@ -24,9 +24,9 @@
 #include <surfleet/planning/robot_kind.hpp>
 #include <surfleet/viewpoint/coverage_estimate.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
-#include <surfleet/viewpoint/look_ledger.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
+#include <surfleet/viewpoint/view_ledger.hpp>
 
 namespace surfleet {
 struct SurfaceBeliefOptions {
@@ -37,7 +37,7 @@ struct SurfaceBeliefOptions {
   /// Folds what is seen into the map, with the options above in place of its own; nothing: the
   /// projective one, whose weight 1/z² drops off behind the surface (`drop_off_by_voxels`).
   std::optional<AnyIntegrator> integrator{};
-  LookLedgerOptions looks{};  ///< When an element is given up.
+  ViewLedgerOptions looks{};  ///< When an element is given up.
   Box3 region;                ///< Where surface is to be reconstructed [m].
   std::uint64_t seed = 1;     ///< Of the roadmaps.
 };
@@ -141,9 +141,9 @@ class SurfaceBelief {
     }
     goals_stale_ = true;
   }
-  /// See `LookLedger`.
-  void looked_in_vain(const VoxelIndex& v, const Eigen::Vector3d& direction) {
-    ledger_.looked_in_vain(v, direction);
+  /// See `ViewLedger`.
+  void viewed_in_vain(const VoxelIndex& v, const Eigen::Vector3d& direction) {
+    ledger_.viewed_in_vain(v, direction);
     goals_stale_ = true;
   }
   void not_reached(std::span<const VoxelIndex> voxels) {
@@ -152,12 +152,12 @@ class SurfaceBelief {
   }
 
   /// What another robot of the same kind has noted.
-  void add_notes(const LookNotes& notes) {
+  void add_notes(const ViewNotes& notes) {
     if (notes.empty()) return;
     ledger_.add(notes);
     goals_stale_ = true;
   }
-  LookNotes take_notes() { return ledger_.take_news(); }  ///< See `LookLedger::take_news`.
+  ViewNotes take_notes() { return ledger_.take_news(); }  ///< See `ViewLedger::take_news`.
 
   // -- what is held ------------------------------------------------------------------------------
   const SurfaceBeliefOptions& options() const { return options_; }
@@ -167,7 +167,7 @@ class SurfaceBelief {
   const VoxelStateMap& known() const { return known_; }        ///< States at W_th.
   const VoxelStateMap& observed() const { return observed_; }  ///< What to look through.
   const IncompleteSurface& incomplete() const { return incomplete_; }
-  const LookLedger& ledger() const { return ledger_; }
+  const ViewLedger& ledger() const { return ledger_; }
   std::size_t kinds() const { return spaces_.size(); }
   const KindSpace& space(RobotKindId kind) const { return *spaces_[kind]; }
 
@@ -211,7 +211,7 @@ class SurfaceBelief {
   const TsdfMap& map_;  // own_, unless it follows another
   VoxelStateMap known_, observed_, flyable_;
   IncompleteSurface incomplete_;
-  LookLedger ledger_;
+  ViewLedger ledger_;
   std::vector<std::unique_ptr<KindSpace>> spaces_;
   mutable std::vector<Goal> goals_;
   mutable bool goals_stale_ = true;

@@ -31,7 +31,7 @@ namespace surfleet {
 /// once. `most(s)` is no less than it was at first, and quickly told. `take(s, view)` says that
 /// what is seen there counts no more.
 template <typename V>
-concept ViewsFromSites = requires(V& views, std::size_t s, double enough, WorthByView& gain,
+concept ViewsFromSites = requires(V& views, std::size_t s, double enough, GainByView& gain,
                                   int view) {
   { views.most(s) } -> std::convertible_to<double>;
   { views.look(s, enough, gain) } -> std::convertible_to<double>;
@@ -247,7 +247,7 @@ class TeamTours {
   /// The best insertion of a site, if it is better than `best_rate`; else one without gain.
   Insertion best_at(const Candidate& c, double best_rate, double shortest, double& most) const {
     Insertion best;
-    WorthByView gain;
+    GainByView gain;
     most = std::min(most, static_cast<double>(views_->look(c.site, best_rate * c.cheapest, gain)));
     if (most <= best_rate * c.cheapest) return best;
     for (std::size_t t = 0; t < tours_.size(); ++t) {

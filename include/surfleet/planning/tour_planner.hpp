@@ -19,7 +19,7 @@
 #include <surfleet/planning/cluster_gain.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/viewpoint/gain.hpp>
-#include <surfleet/viewpoint/revealing_look.hpp>
+#include <surfleet/viewpoint/revealing_view.hpp>
 #include <surfleet/viewpoint/view_access.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/view_memory.hpp>

@@ -29,7 +29,7 @@ namespace surfleet {
 struct SightTarget {
   Point3 position = Point3::Zero();
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Side to look at it from; zero if any.
-  double worth = 0.0;                                ///< Area it stands for [m²].
+  double gain = 0.0;                                 ///< Area it stands for [m²].
   int unknown_before = 0;  ///< How many unknown voxels the line of sight may pass.
 };
 
@@ -50,21 +50,21 @@ using ViewBits = std::uint64_t;  ///< Views of a place, a bit each.
 inline bool has_view(ViewBits views, int view) { return (views >> view & 1U) != 0; }
 
 /// What each view of a place is worth; at first nothing.
-class WorthByView {
+class GainByView {
  public:
-  explicit WorthByView(int views = kHeadings) : views_(static_cast<std::size_t>(views)) {
+  explicit GainByView(int views = kHeadings) : views_(static_cast<std::size_t>(views)) {
     fill(0.0);
   }
   std::size_t size() const { return views_; }
-  double& operator[](std::size_t view) { return worth_[view]; }
-  double operator[](std::size_t view) const { return worth_[view]; }
-  const double* begin() const { return worth_.data(); }
-  const double* end() const { return worth_.data() + views_; }
+  double& operator[](std::size_t view) { return gain_[view]; }
+  double operator[](std::size_t view) const { return gain_[view]; }
+  const double* begin() const { return gain_.data(); }
+  const double* end() const { return gain_.data() + views_; }
   double most() const { return *std::max_element(begin(), end()); }
-  void fill(double worth) { std::fill_n(worth_.begin(), views_, worth); }
+  void fill(double gain) { std::fill_n(gain_.begin(), views_, gain); }
 
  private:
-  std::array<double, kMostViews> worth_;
+  std::array<double, kMostViews> gain_;
   std::size_t views_;
 };
 
@@ -429,15 +429,15 @@ void mark_in_view(std::span<const Sighting> seen, int view, std::vector<char>& d
 
 /// What every view shows; targets marked in `done` count nothing.
 template <typename Sight>
-WorthByView worth_by_view(const SightTargets<Sight>& targets, std::span<const Sighting> seen,
-                          std::span<const char> done) {
-  WorthByView worth(targets.headings().views());
+GainByView gain_by_view(const SightTargets<Sight>& targets, std::span<const Sighting> seen,
+                        std::span<const char> done) {
+  GainByView gain(targets.headings().views());
   for (const Sighting& s : seen) {
     const auto id = static_cast<std::size_t>(s.target);
     if (done[id] != 0) continue;
     for (ViewBits bits = s.views; bits != 0; bits &= bits - 1)
-      worth[static_cast<std::size_t>(std::countr_zero(bits))] += targets[id].worth;
+      gain[static_cast<std::size_t>(std::countr_zero(bits))] += targets[id].gain;
   }
-  return worth;
+  return gain;
 }
 }  // namespace surfleet

@@ -17,8 +17,8 @@
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
-#include <surfleet/viewpoint/look_ledger.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
+#include <surfleet/viewpoint/view_ledger.hpp>
 #include <surfleet/viewpoint/viewpoint.hpp>
 #include <surfleet/viewpoint/viewpoint_generation.hpp>
 
@@ -88,9 +88,9 @@ class ViewpointMemory {
   /// function of the free space and `promises` one of the ledger's looks alone; `is_reachable` is
   /// asked anew.
   template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable,
-            LookPredicate Promises>
+            ViewPredicate Promises>
   ViewpointSet operator()(ViewpointGenerator& generate, std::span<const IncompleteElement> elements,
-                          const LookLedger& ledger, const IsFree& is_free,
+                          const ViewLedger& ledger, const IsFree& is_free,
                           const IsReachable& is_reachable, const Promises& promises) {
     ViewpointSet set;
     for (std::size_t i = 0; i < elements.size(); ++i) {

@@ -24,7 +24,7 @@
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/viewpoint/detail/point_cells.hpp>
 #include <surfleet/viewpoint/incomplete_surface.hpp>
-#include <surfleet/viewpoint/revealing_look.hpp>
+#include <surfleet/viewpoint/revealing_view.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/viewpoint.hpp>
 #include <surfleet/viewpoint/viewpoint_predicates.hpp>
@@ -160,7 +160,7 @@ class ViewpointGenerator {
   /// `is_free` and `is_reachable` hold for the view, `promises` holds for its line of sight.
   /// O(tries), one where nothing is in the way.
   template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue,
-            LookPredicate Promises = AlwaysTrue>
+            ViewPredicate Promises = AlwaysTrue>
   ViewpointChoice operator()(const IncompleteElement& e, const IsFree& is_free,
                              const IsReachable& is_reachable = {}, const Promises& promises = {}) {
     const PinholeCamera& camera = frustum_.camera();
@@ -290,7 +290,7 @@ class ViewpointGenerator {
 /// What a `ViewpointGenerator` finds for each element; a view's `targets` is its element's index.
 /// O(elements × tries).
 template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue,
-          LookPredicate Promises = AlwaysTrue>
+          ViewPredicate Promises = AlwaysTrue>
 ViewpointSet generate_viewpoints(std::span<const IncompleteElement> elements,
                                  const VoxelStateMap& map, const PinholeCamera& camera,
                                  const ViewpointOptions& options, const IsFree& is_free,

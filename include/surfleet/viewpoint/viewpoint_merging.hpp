@@ -18,7 +18,7 @@
 #include <surfleet/core/types.hpp>
 #include <surfleet/viewpoint/detail/point_cells.hpp>
 #include <surfleet/viewpoint/incomplete_element.hpp>
-#include <surfleet/viewpoint/revealing_look.hpp>
+#include <surfleet/viewpoint/revealing_view.hpp>
 #include <surfleet/viewpoint/view_frustum.hpp>
 #include <surfleet/viewpoint/viewpoint.hpp>
 #include <surfleet/viewpoint/viewpoint_predicates.hpp>

@@ -27,7 +27,7 @@ struct AlwaysTrue {
 /// What generation asks about a line of sight: `p(e, direction)` is true if a look at the element
 /// from there, the unit vector from it to the camera, may show something new. Pure.
 template <typename P>
-concept LookPredicate = requires(const P& p, const IncompleteElement& e,
+concept ViewPredicate = requires(const P& p, const IncompleteElement& e,
                                  const Eigen::Vector3d& direction) {
   { p(e, direction) } -> std::convertible_to<bool>;
 };

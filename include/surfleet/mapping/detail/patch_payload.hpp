@@ -349,15 +349,15 @@ inline std::vector<PatchBlock> get_patch_blocks(std::span<const std::byte> bytes
   return blocks;
 }
 
-inline constexpr std::size_t kLookBytes = 3 * 4 + 3, kFailureBytes = 3 * 4 + 1;
+inline constexpr std::size_t kViewBytes = 3 * 4 + 3, kFailureBytes = 3 * 4 + 1;
 
-inline Bytes put_look_notes(const LookNotes& notes) {
+inline Bytes put_view_notes(const ViewNotes& notes) {
   ByteWriter out;
-  for (const LookNotes::Look& l : notes.looks) {
+  for (const ViewNotes::Look& l : notes.looks) {
     for (const int v : l.place) out.put(std::int32_t{v});
     out.put(l.direction);
   }
-  for (const LookNotes::Failure& f : notes.failures) {
+  for (const ViewNotes::Failure& f : notes.failures) {
     for (const int v : f.place) out.put(std::int32_t{v});
     out.put(f.count);
   }
@@ -365,8 +365,8 @@ inline Bytes put_look_notes(const LookNotes& notes) {
 }
 /// The notes but for their kind. `bytes` are as many as so many looks and failures take, which the
 /// caller has bounded. Throws `Error` that begins with `what` on notes that no robot makes.
-inline void get_look_notes(std::span<const std::byte> bytes, std::size_t looks,
-                           std::size_t failures, LookNotes& notes, const std::string& what) {
+inline void get_view_notes(std::span<const std::byte> bytes, std::size_t looks,
+                           std::size_t failures, ViewNotes& notes, const std::string& what) {
   ByteReader in(bytes, what);
   const auto sound = [&](bool ok, const char* why) {
     if (!ok) throw Error(what + ": " + why);
@@ -381,14 +381,14 @@ inline void get_look_notes(std::span<const std::byte> bytes, std::size_t looks,
   };
   notes.looks.reserve(looks);
   for (std::size_t i = 0; i < looks; ++i) {
-    LookNotes::Look l{place(), in.get<LookDirection>()};
-    sound(is_look_direction(l.direction), "look without a direction");
+    ViewNotes::Look l{place(), in.get<ViewDirection>()};
+    sound(is_view_direction(l.direction), "look without a direction");
     sound(i == 0 || notes.looks.back() < l, "looks out of order; expected each once");
     notes.looks.push_back(l);
   }
   notes.failures.reserve(failures);
   for (std::size_t i = 0; i < failures; ++i) {
-    LookNotes::Failure f{place(), in.get<std::uint8_t>()};
+    ViewNotes::Failure f{place(), in.get<std::uint8_t>()};
     sound(f.count > 0, "way that was sought and not missed");
     sound(i == 0 || notes.failures.back().place < f.place, "ways out of order; expected each once");
     notes.failures.push_back(f);

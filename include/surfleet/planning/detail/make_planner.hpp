@@ -54,7 +54,7 @@ SURFLEET_INLINE AnyPlanner make_planner(std::string_view name, const PlannerSett
     planner.gain.ends_at_unknown = named.as_printed;
     if (named.as_printed) return AnyPlanner(std::move(planner));
     return AnyPlanner(
-        WithSpaceLooks(std::move(planner), SpaceLooksOptions{.distance = settings.standoff}));
+        WithFrontierViews(std::move(planner), FrontierViewsOptions{.distance = settings.standoff}));
   };
   if (name == "surfleet") return default_planner(settings);
   if (name == "tsga") return made(TsgaPlanner(detail::printed_tours(settings)));

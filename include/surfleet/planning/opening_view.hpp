@@ -12,16 +12,16 @@
 #include <vector>
 
 #include <surfleet/planning/plan.hpp>
-#include <surfleet/viewpoint/space_look.hpp>
+#include <surfleet/viewpoint/frontier_view.hpp>
 #include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
 /// Sends a robot to look at the unknown space that a body needs on its way: the look of the most
 /// such space per metre it costs beside the way. Space that stays unknown after some looks is not
 /// asked for again. For one mission.
-class OpeningLooks {
+class OpeningViews {
  public:
-  int max_looks = kViewsInVain;  ///< At a piece of space before it is given up.
+  int max_views = kViewsInVain;  ///< At a piece of space before it is given up.
 
   /// A look for a robot at `from`, or beside it at `start`, which is free; not the look it has just
   /// made. `way` begins at the last place known to be free, where the robot could be already.
@@ -35,7 +35,7 @@ class OpeningLooks {
     SpaceCells cells(space.map());
     std::map<SpaceCells::Cell, double> wanted;
     double along = 0.0;
-    looks_.max_looks = max_looks;
+    looks_.max_views = max_views;
     for (std::size_t k = 1; k < way.size() && along < kAhead * range; ++k) {
       along += (way[k] - way[k - 1]).norm();
       cells.has_room(way[k], space.required_distance(), [&](const SpaceCells::Cell& c) {
@@ -43,10 +43,10 @@ class OpeningLooks {
       });
     }
     if (wanted.empty()) return std::nullopt;
-    std::vector<SpaceLooks::Wanted> list;
-    for (const auto& [cell, worth] : wanted) list.push_back({cell, worth});
-    SpaceLooks::Search search(looks_, lattice, std::move(list), space.map(),
-                              situation.space().headings, kUsefulRange * range);
+    std::vector<FrontierViews::Wanted> list;
+    for (const auto& [cell, gain] : wanted) list.push_back({cell, gain});
+    FrontierViews::Search search(looks_, lattice, std::move(list), space.map(),
+                                 situation.space().headings, kUsefulRange * range);
     const Point3& last = way.front();
     const double direct = (last - start).norm();
     const auto look =
@@ -66,6 +66,6 @@ class OpeningLooks {
   static constexpr double kStopCost = 2.0;  ///< What a look costs beside its flight [m].
   static constexpr double kFalloff = 0.3;   ///< Space d metres ahead counts 1 / (1 + d kFalloff).
 
-  SpaceLooks looks_;
+  FrontierViews looks_;
 };
 }  // namespace surfleet

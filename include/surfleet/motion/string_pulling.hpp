@@ -19,8 +19,8 @@ namespace surfleet {
 /// In every sweep each vertex moves to where its ball comes nearest to the straight line between
 /// its neighbours, the last one towards the one before it. Nothing is asked of what is in the way.
 /// O(places · sweeps). Throws `Error` if `slack` is negative or not finite.
-inline std::vector<Point3> taut_path(const Point3& start, std::span<const Point3> places,
-                                     double slack, int sweeps = 20) {
+inline std::vector<Point3> pulled_string(const Point3& start, std::span<const Point3> places,
+                                         double slack, int sweeps = 20) {
   require(slack >= 0.0 && std::isfinite(slack), "slack of a path: expected 0 m or more");
   std::vector<Point3> path(places.begin(), places.end());
   for (int sweep = 0; sweep < sweeps && slack > 0.0; ++sweep)

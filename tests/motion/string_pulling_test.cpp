@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <surfleet/motion/taut_path.hpp>
+#include <surfleet/motion/string_pulling.hpp>
 
 #include <limits>
 #include <vector>
@@ -21,13 +21,13 @@ double length_from(const Point3& start, std::vector<Point3> path) {
 TEST(a_taut_path_is_straight_where_the_slack_allows) {
   const Point3 start(0, 0, 0);
   const std::vector<Point3> places{{2, 0.5, 0}, {4, -0.5, 0}, {6, 0, 0}};
-  const std::vector<Point3> path = taut_path(start, places, 1.0);
+  const std::vector<Point3> path = pulled_string(start, places, 1.0);
   CHECK_NEAR(length_from(start, path), (path.back() - start).norm(), 1e-3);
   CHECK((path.back() - places.back()).norm() <= 1.0 + 1e-12);
   // A place alone is met on the near side; without slack nothing moves.
-  const Point3 met = taut_path(start, std::vector<Point3>{{3, 4, 0}}, 1.0)[0];
+  const Point3 met = pulled_string(start, std::vector<Point3>{{3, 4, 0}}, 1.0)[0];
   CHECK_NEAR((met - Point3(2.4, 3.2, 0)).norm(), 0.0, 1e-12);
-  CHECK(taut_path(start, places, 0.0) == places);
+  CHECK(pulled_string(start, places, 0.0) == places);
 }
 
 TEST(a_taut_path_keeps_within_the_slack_and_is_never_longer) {
@@ -41,7 +41,7 @@ TEST(a_taut_path_keeps_within_the_slack_and_is_never_longer) {
     for (Point3& p : places) p = point();
     const double slack = random.uniform(0.0, 2.0);
     for (const int sweeps : {1, 2, 20}) {
-      const std::vector<Point3> path = taut_path(start, places, slack, sweeps);
+      const std::vector<Point3> path = pulled_string(start, places, slack, sweeps);
       CHECK(path.size() == places.size());
       for (std::size_t k = 0; k < path.size(); ++k)
         CHECK((path[k] - places[k]).norm() <= slack + 1e-9);
@@ -52,9 +52,10 @@ TEST(a_taut_path_keeps_within_the_slack_and_is_never_longer) {
 
 TEST(a_taut_path_by_one_place_over_and_over) {
   const Point3 start(1, 2, 3);
-  for (const Point3& p : taut_path(start, std::vector<Point3>(5, start), 0.5)) CHECK(p == start);
-  CHECK(taut_path(start, {}, 0.5).empty());
-  CHECK_THROWS(Error, taut_path(start, {}, -0.1));
-  CHECK_THROWS(Error, taut_path(start, {}, std::numeric_limits<double>::quiet_NaN()));
+  for (const Point3& p : pulled_string(start, std::vector<Point3>(5, start), 0.5))
+    CHECK(p == start);
+  CHECK(pulled_string(start, {}, 0.5).empty());
+  CHECK_THROWS(Error, pulled_string(start, {}, -0.1));
+  CHECK_THROWS(Error, pulled_string(start, {}, std::numeric_limits<double>::quiet_NaN()));
 }
 }  // namespace

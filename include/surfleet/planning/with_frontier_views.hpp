@@ -12,15 +12,15 @@
 
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/planning/plan.hpp>
-#include <surfleet/viewpoint/space_look.hpp>
+#include <surfleet/viewpoint/frontier_view.hpp>
 #include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
-struct SpaceLooksOptions {
+struct FrontierViewsOptions {
   double distance = 4.7;         ///< δ_pose: where elements would be looked at from [m].
   double spacing_share = 0.15;   ///< Lattice spacing over the camera's range.
   double stop_cost = 1.0;        ///< What a stop costs beside its flight [m].
-  int max_looks = kViewsInVain;  ///< Looks at a piece of space before it is given up.
+  int max_views = kViewsInVain;  ///< Looks at a piece of space before it is given up.
   int least_cells = 10;          ///< Of two voxels each way, that a look must show.
   /// Elements without a view that are worth it, over the most that were ever left to do at once.
   double least_share = 0.1;
@@ -37,12 +37,12 @@ struct SpaceLooksOptions {
 /// what stays unknown after some looks is left alone, so this ends. For the few elements in nooks
 /// that every mission leaves, nobody is sent.
 template <FleetPlanner Planner>
-class WithSpaceLooks {
+class WithFrontierViews {
  public:
   Planner planner;
-  SpaceLooksOptions options;
+  FrontierViewsOptions options;
 
-  explicit WithSpaceLooks(Planner p = Planner{}, SpaceLooksOptions o = {})
+  explicit WithFrontierViews(Planner p = Planner{}, FrontierViewsOptions o = {})
       : planner(std::move(p)), options(o) {}
 
   Plan operator()(const SurfaceSituation& situation) {
@@ -59,8 +59,8 @@ class WithSpaceLooks {
   using Cell = SpaceCells::Cell;
 
   void send(const SurfaceSituation& situation, Plan& result) {
-    looks_.max_looks = options.max_looks;
-    std::vector<SpaceLooks::Wanted> wanted;
+    looks_.max_views = options.max_views;
+    std::vector<FrontierViews::Wanted> wanted;
     for (const Cell& c : space_wanted(situation, result))
       if (!looks_.given_up(c)) wanted.push_back({c});
     if (wanted.empty()) return;
@@ -68,8 +68,8 @@ class WithSpaceLooks {
     const double range = situation.space().kind.camera.max_range;
     const FreeSpace& space = situation.space().free;
     FlightLattice<FreeSpace> lattice(space, space.options().bounds, options.spacing_share * range);
-    SpaceLooks::Search search(looks_, lattice, std::move(wanted), situation.belief.observed(),
-                              situation.space().headings, kUsefulRange * range);
+    FrontierViews::Search search(looks_, lattice, std::move(wanted), situation.belief.observed(),
+                                 situation.space().headings, kUsefulRange * range);
     for (const RobotState& robot : situation.team) {
       const auto look =
           search.best(space.free_start(robot.at.position), {.least = least},
@@ -145,7 +145,7 @@ class WithSpaceLooks {
   static constexpr double kTurn =
       radians(5.0);  ///< Of a view's elevation, from one try to the next.
 
-  SpaceLooks looks_;
+  FrontierViews looks_;
   std::size_t count_ = 0, most_work_ = 0;
 };
 }  // namespace surfleet

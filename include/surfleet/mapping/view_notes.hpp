@@ -20,36 +20,36 @@
 
 namespace surfleet {
 /// A unit vector in steps of a 127th.
-using LookDirection = std::array<std::int8_t, 3>;
-inline constexpr int kLookDirectionSteps = 127;
+using ViewDirection = std::array<std::int8_t, 3>;
+inline constexpr int kViewDirectionSteps = 127;
 
 /// Voxels of one place share their looks: two along each axis.
-inline constexpr int kLookPlaceVoxels = 2;
-inline VoxelKey look_place(const VoxelIndex& v) { return {v.x() >> 1, v.y() >> 1, v.z() >> 1}; }
+inline constexpr int kViewPlaceVoxels = 2;
+inline VoxelKey view_place(const VoxelIndex& v) { return {v.x() >> 1, v.y() >> 1, v.z() >> 1}; }
 
-inline LookDirection quantised(const Eigen::Vector3d& unit) {
-  LookDirection q{};
+inline ViewDirection quantised(const Eigen::Vector3d& unit) {
+  ViewDirection q{};
   for (int k = 0; k < 3; ++k)
     q[static_cast<std::size_t>(k)] =
-        static_cast<std::int8_t>(std::round(unit[k] * kLookDirectionSteps));
+        static_cast<std::int8_t>(std::round(unit[k] * kViewDirectionSteps));
   return q;
 }
 /// Whether it can be that of a unit vector: rounding takes at most half a step off each coordinate.
-inline bool is_look_direction(const LookDirection& q) {
-  constexpr int kLess = kLookDirectionSteps - 1, kMore = kLookDirectionSteps + 1;
+inline bool is_view_direction(const ViewDirection& q) {
+  constexpr int kLess = kViewDirectionSteps - 1, kMore = kViewDirectionSteps + 1;
   const int square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
   return square >= kLess * kLess && square <= kMore * kMore;
 }
-inline Eigen::Vector3d unit_vector(const LookDirection& q) {
+inline Eigen::Vector3d unit_vector(const ViewDirection& q) {
   return Eigen::Vector3d(q[0], q[1], q[2]).normalized();
 }
 
 /// Since the robot's last patch.
-struct LookNotes {
+struct ViewNotes {
   /// A look that should have completed what is there and did not; `direction` is to the camera.
   struct Look {
     VoxelKey place{};
-    LookDirection direction{};
+    ViewDirection direction{};
     auto operator<=>(const Look&) const = default;
   };
   /// So many ways to see what is there were not found.
@@ -63,23 +63,23 @@ struct LookNotes {
   std::vector<Failure> failures;  ///< Each place once, ascending.
 
   bool empty() const { return looks.empty() && failures.empty(); }
-  bool operator==(const LookNotes&) const = default;
+  bool operator==(const ViewNotes&) const = default;
 };
 
 /// All looks, each once, and the sums of failures, at most 255 of a place. Throws `Error` on notes
 /// of different kinds. O(n log n).
-inline LookNotes merged_notes(std::span<const LookNotes> parts) {
-  LookNotes whole;
+inline ViewNotes merged_notes(std::span<const ViewNotes> parts) {
+  ViewNotes whole;
   bool first = true;
-  std::set<LookNotes::Look> looks;
+  std::set<ViewNotes::Look> looks;
   std::map<VoxelKey, int> failures;
-  for (const LookNotes& notes : parts) {
+  for (const ViewNotes& notes : parts) {
     if (notes.empty()) continue;
     if (first) whole.kind = notes.kind;
     first = false;
     require(notes.kind == whole.kind, "notes of looks: expected those of one kind of robot");
     looks.insert(notes.looks.begin(), notes.looks.end());
-    for (const LookNotes::Failure& f : notes.failures) failures[f.place] += f.count;
+    for (const ViewNotes::Failure& f : notes.failures) failures[f.place] += f.count;
   }
   whole.looks.assign(looks.begin(), looks.end());
   for (const auto& [place, count] : failures)
@@ -87,8 +87,8 @@ inline LookNotes merged_notes(std::span<const LookNotes> parts) {
   return whole;
 }
 /// The notes when their frame lies at `T_map_frame`; voxels are of `voxel_size` [m]. O(n log n).
-inline LookNotes moved_notes(const LookNotes& notes, const Pose& T_map_frame, double voxel_size) {
-  const double side = kLookPlaceVoxels * voxel_size;
+inline ViewNotes moved_notes(const ViewNotes& notes, const Pose& T_map_frame, double voxel_size) {
+  const double side = kViewPlaceVoxels * voxel_size;
   const auto moved = [&](const VoxelKey& place) {
     const Point3 centre(place[0] + 0.5, place[1] + 0.5, place[2] + 0.5);
     const Point3 at = T_map_frame * Point3(side * centre) / side;
@@ -97,12 +97,12 @@ inline LookNotes moved_notes(const LookNotes& notes, const Pose& T_map_frame, do
       to[static_cast<std::size_t>(k)] = static_cast<int>(std::floor(at[k]));
     return to;
   };
-  LookNotes out{.kind = notes.kind, .looks = {}, .failures = {}};
-  for (const LookNotes::Look& l : notes.looks)
+  ViewNotes out{.kind = notes.kind, .looks = {}, .failures = {}};
+  for (const ViewNotes::Look& l : notes.looks)
     out.looks.push_back(
         {moved(l.place), quantised(T_map_frame.linear() * unit_vector(l.direction))});
-  for (const LookNotes::Failure& f : notes.failures)
+  for (const ViewNotes::Failure& f : notes.failures)
     out.failures.push_back({moved(f.place), f.count});
-  return merged_notes(std::span<const LookNotes>(&out, 1));
+  return merged_notes(std::span<const ViewNotes>(&out, 1));
 }
 }  // namespace surfleet

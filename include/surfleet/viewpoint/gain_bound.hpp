@@ -17,11 +17,11 @@ namespace surfleet {
 /// From a node of a flight lattice no more is in a view than the worth of all targets
 /// in the box around it. The boxes are aligned with the lattice, so a table of sums gives
 /// each in O(1): one look in some hundred is worth the rays that tell what is really seen.
-class LookBound {
+class GainBound {
  public:
   /// Looks reach as far as `reach` [m]. O(targets + nodes).
   template <typename Free>
-  LookBound(std::span<const SightTarget> targets, const FlightLattice<Free>& lattice,
+  GainBound(std::span<const SightTarget> targets, const FlightLattice<Free>& lattice,
             const HeadingTable& headings, double reach)
       : cell_(lattice.spacing()), boxes_(static_cast<std::size_t>(headings.views())) {
     any_ = {VoxelIndex::Zero(), VoxelIndex::Zero()};
@@ -48,7 +48,7 @@ class LookBound {
       const VoxelIndex c =
           VoxelIndex(cell_at(d.x()), cell_at(d.y()), cell_at(d.z())) + shift_ + VoxelIndex::Ones();
       if ((c.array() < 1).any() || (c.array() >= size_.array()).any()) continue;
-      sums_[at(c)] += t.worth;
+      sums_[at(c)] += t.gain;
     }
     for (int z = 1; z < size_.z(); ++z)
       for (int y = 1; y < size_.y(); ++y) {
@@ -66,8 +66,8 @@ class LookBound {
   }
 
   /// For every view at once. O(views).
-  WorthByView operator()(const VoxelIndex& node) const {
-    WorthByView most(static_cast<int>(boxes_.size()));
+  GainByView operator()(const VoxelIndex& node) const {
+    GainByView most(static_cast<int>(boxes_.size()));
     for (std::size_t k = 0; k < boxes_.size(); ++k) most[k] = sum(node, boxes_[k]);
     return most;
   }

@@ -13,12 +13,12 @@
 namespace surfleet {
 /// The worth of all targets in the cell of a place and the 26 around it: no look that reaches no
 /// farther than a cell is wide can see more. O(targets) to make, O(1) to ask.
-class WorthAround {
+class GainAround {
  public:
   /// Cells are `reach` wide [m].
-  WorthAround(std::span<const SightTarget> targets, double reach) : around_({.voxel_size = reach}) {
+  GainAround(std::span<const SightTarget> targets, double reach) : around_({.voxel_size = reach}) {
     Sums own({.voxel_size = reach});
-    for (const SightTarget& t : targets) own.ensure(own.index_of(t.position)) += t.worth;
+    for (const SightTarget& t : targets) own.ensure(own.index_of(t.position)) += t.gain;
     own.for_each_block([&](const auto& block) {
       for (int z = -1; z <= 1; ++z)
         for (int y = -1; y <= 1; ++y)

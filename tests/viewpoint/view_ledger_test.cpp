@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <surfleet/viewpoint/look_ledger.hpp>
+#include <surfleet/viewpoint/view_ledger.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -20,13 +20,13 @@ VoxelIndex random_voxel(Random& random) {
   return {x, y, z};
 }
 /// What robots note that go on from what they have noted before.
-std::vector<LookNotes> notes_of_robots(Random& random, int robots, int patches) {
-  std::vector<LookNotes> all;
+std::vector<ViewNotes> notes_of_robots(Random& random, int robots, int patches) {
+  std::vector<ViewNotes> all;
   for (int r = 0; r < robots; ++r) {
-    LookLedger own({.max_looks = 4});
+    ViewLedger own({.max_views = 4});
     for (int p = 0; p < patches; ++p) {
       for (int i = 0; i < 6; ++i) {
-        own.looked_in_vain(random_voxel(random), random_direction(random));
+        own.viewed_in_vain(random_voxel(random), random_direction(random));
         const VoxelIndex v = random_voxel(random);
         own.not_reached(std::span<const VoxelIndex>(&v, 1));
       }
@@ -42,13 +42,13 @@ std::vector<LookNotes> notes_of_robots(Random& random, int robots, int patches) 
 TEST(equal_notes_are_equal_ledgers_in_any_order_and_after_removal) {
   Random random(3);
   for (int trial = 0; trial < 20; ++trial) {
-    std::vector<LookNotes> notes = notes_of_robots(random, 3, 5);
-    LookLedger whole({.max_looks = 2});
-    for (const LookNotes& n : notes) whole.add(n);
+    std::vector<ViewNotes> notes = notes_of_robots(random, 3, 5);
+    ViewLedger whole({.max_views = 2});
+    for (const ViewNotes& n : notes) whole.add(n);
     std::reverse(notes.begin(), notes.end());
     const std::size_t kept = random.below(notes.size());
-    LookLedger part({.max_looks = 2}), rest({.max_looks = 2});
-    for (const LookNotes& n : notes) rest.add(n);
+    ViewLedger part({.max_views = 2}), rest({.max_views = 2});
+    for (const ViewNotes& n : notes) rest.add(n);
     CHECK(rest == whole);
     for (std::size_t i = 0; i < notes.size(); ++i)
       if (i < kept)
@@ -68,36 +68,36 @@ TEST(equal_notes_are_equal_ledgers_in_any_order_and_after_removal) {
 TEST(what_others_looked_at_in_vain_is_given_up_here) {
   const VoxelIndex v(1, 2, 3);
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::UnitX();
-  LookLedger a({.max_looks = 2}), b({.max_looks = 2});
-  a.looked_in_vain(v, up);
-  const LookNotes first = a.take_news();
+  ViewLedger a({.max_views = 2}), b({.max_views = 2});
+  a.viewed_in_vain(v, up);
+  const ViewNotes first = a.take_news();
   b.add(first);
   CHECK(!b.has_news());  // theirs is theirs to tell
   CHECK(!b.fresh(v) && !b.given_up(v) && !b.promises(v, up) && b.promises(v, side));
   // Nearly the same look is none more, whoever takes it.
-  b.looked_in_vain(v, (up + 0.05 * side).normalized());
+  b.viewed_in_vain(v, (up + 0.05 * side).normalized());
   CHECK(!b.has_news() && b.looks(v) == 1);
-  LookLedger c({.max_looks = 2});
-  c.looked_in_vain(v, (up + 0.05 * side).normalized());
+  ViewLedger c({.max_views = 2});
+  c.viewed_in_vain(v, (up + 0.05 * side).normalized());
   b.add(c.take_news());
   CHECK(!b.given_up(v));
-  b.looked_in_vain(v, side);
+  b.viewed_in_vain(v, side);
   CHECK(b.reason(v) == LeftReason::seen_incomplete);
   b.remove(first);
   CHECK(b.given_up(v));  // c looked from there, too
   CHECK_THROWS(Error, b.remove(first));
 
-  LookLedger twice({.max_looks = 1});
+  ViewLedger twice({.max_views = 1});
   twice.add(first);
   twice.add(first);
   twice.remove(first);
   CHECK(twice.given_up(v));  // another said so, too
   twice.remove(first);
-  CHECK(!twice.given_up(v) && twice == LookLedger());
+  CHECK(!twice.given_up(v) && twice == ViewLedger());
 
-  LookLedger lost({.max_failures = 3}), found({.max_failures = 3});
+  ViewLedger lost({.max_failures = 3}), found({.max_failures = 3});
   for (int i = 0; i < 2; ++i) lost.not_reached(std::span<const VoxelIndex>(&v, 1));
-  const LookNotes failures = lost.take_news();
+  const ViewNotes failures = lost.take_news();
   CHECK(failures.failures.size() == 1 && failures.failures[0].count == 2);
   found.add(failures);
   CHECK(!found.given_up(v));

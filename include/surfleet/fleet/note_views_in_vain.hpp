@@ -10,13 +10,13 @@
 
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/surface_belief.hpp>
-#include <surfleet/viewpoint/revealing_look.hpp>
+#include <surfleet/viewpoint/revealing_view.hpp>
 
 namespace surfleet {
 /// After `images` from a stop, of at most `most_images`: whatever was in fair view for long enough
 /// and is still incomplete, and what the stop was for in any case, was looked at in vain. Not for
 /// use while goals are stale. O(goals · rays).
-inline void note_looks_in_vain(SurfaceBelief& belief, const KindSpace& space,
+inline void note_views_in_vain(SurfaceBelief& belief, const KindSpace& space,
                                const Configuration& at, const Stop& stop, std::size_t images,
                                std::size_t most_images) {
   constexpr double kFair = 0.4;  // least cosine between n̄_v and the line of sight
@@ -31,6 +31,6 @@ inline void note_looks_in_vain(SurfaceBelief& belief, const KindSpace& space,
     if (fair || std::find(stop.targets.begin(), stop.targets.end(), e.voxel) != stop.targets.end())
       vain.emplace_back(e.voxel, to_eye);
   }
-  for (const auto& [voxel, direction] : vain) belief.looked_in_vain(voxel, direction);
+  for (const auto& [voxel, direction] : vain) belief.viewed_in_vain(voxel, direction);
 }
 }  // namespace surfleet

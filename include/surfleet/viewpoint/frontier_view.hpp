@@ -60,13 +60,13 @@ class SpaceCells {
 };
 
 /// Looks at cells of unknown space. What stays unknown after some looks is left alone.
-class SpaceLooks {
+class FrontierViews {
  public:
-  int max_looks = kViewsInVain;  ///< At a cell before it is given up.
+  int max_views = kViewsInVain;  ///< At a cell before it is given up.
 
   struct Wanted {
     SpaceCells::Cell cell;
-    double worth = 1.0;  ///< At most 1.
+    double gain = 1.0;  ///< At most 1.
   };
   struct Look {
     Configuration configuration;
@@ -75,14 +75,14 @@ class SpaceLooks {
 
   bool given_up(const SpaceCells::Cell& c) const {
     const auto it = looks_.find(c);
-    return it != looks_.end() && it->second >= max_looks;
+    return it != looks_.end() && it->second >= max_views;
   }
 
   /// One search among the cells wanted now; those that are given up should not be.
   class Search {
    public:
     /// Looks reach as far as `reach` [m]. All but the cells must outlive it.
-    Search(SpaceLooks& looks, FlightLattice<FreeSpace>& lattice, std::vector<Wanted> wanted,
+    Search(FrontierViews& looks, FlightLattice<FreeSpace>& lattice, std::vector<Wanted> wanted,
            const VoxelStateMap& map, const HeadingTable& headings, double reach)
         : looks_(&looks),
           lattice_(&lattice),
@@ -112,12 +112,12 @@ class SpaceLooks {
         const std::size_t id = lattice_->index(site.cell);
         const auto [it, fresh] = seen_.try_emplace(id);
         if (fresh) it->second = targets_.seen_from(site.position);
-        auto worth = worth_by_view(targets_, it->second, done_);
+        auto gain = gain_by_view(targets_, it->second, done_);
         if (limits.made && (limits.made->position - site.position).norm() < kSamePlace)
-          worth[static_cast<std::size_t>(targets_.headings().nearest_view(*limits.made))] = 0.0;
-        for (std::size_t k = 0; k < worth.size(); ++k)
-          if (worth[k] >= limits.least && worth[k] > best_rate * metres) {
-            best_rate = worth[k] / metres;
+          gain[static_cast<std::size_t>(targets_.headings().nearest_view(*limits.made))] = 0.0;
+        for (std::size_t k = 0; k < gain.size(); ++k)
+          if (gain[k] >= limits.least && gain[k] > best_rate * metres) {
+            best_rate = gain[k] / metres;
             best = Look{targets_.headings().at(site.position, static_cast<int>(k)), id};
           }
         return true;
@@ -139,11 +139,11 @@ class SpaceLooks {
       std::vector<SightTarget> targets;
       for (const Wanted& w : wanted)
         targets.push_back({cells.center(VoxelIndex(w.cell[0], w.cell[1], w.cell[2])),
-                           Eigen::Vector3d::Zero(), w.worth, kDepth});
+                           Eigen::Vector3d::Zero(), w.gain, kDepth});
       return targets;
     }
 
-    SpaceLooks* looks_;
+    FrontierViews* looks_;
     FlightLattice<FreeSpace>* lattice_;
     std::vector<Wanted> wanted_;
     SightTargets<> targets_;

@@ -20,8 +20,8 @@
 #include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
-struct UnseenSpaceOptions {
-  int max_looks = kViewsInVain;  ///< In vain, after which a cell is given up.
+struct FrontierOptions {
+  int max_views = kViewsInVain;  ///< In vain, after which a cell is given up.
   double prior_chance = 0.25;    ///< That a cell holds surface, before any was opened.
   double prior_cells = 20.0;     ///< Cells' worth of experience that this counts as.
 };
@@ -30,15 +30,15 @@ struct UnseenSpaceOptions {
 /// empty space only, can be found by. Incomplete elements do not lead there, as they need surface.
 ///
 /// A cell is unseen as long as its middle voxel is unknown, and on the border if the middle of a
-/// face neighbour is empty. After `max_looks` looks at it in vain a cell is given up: unknown space
+/// face neighbour is empty. After `max_views` looks at it in vain a cell is given up: unknown space
 /// in nooks stays what it is. What the cells on the border turn out to hold is remembered by
 /// height: there is less to expect of the sky around a tower than of the ground it stands on. Cells
 /// near known surface tell nothing of what stands by itself, and may be left out.
-class UnseenSpace {
+class Frontiers {
  public:
-  explicit UnseenSpace(UnseenSpaceOptions options = {}) : options_(options) {
+  explicit Frontiers(FrontierOptions options = {}) : options_(options) {
     require(options.prior_chance > 0.0 && options.prior_chance <= 1.0 && options.prior_cells > 0.0,
-            "unseen space: expected a prior chance in (0, 1] of a positive number of cells");
+            "frontiers: expected a prior chance in (0, 1] of a positive number of cells");
   }
 
   /// Follows one map for life: the border, in cells `edge` wide (rounded to whole voxels) whose
@@ -50,7 +50,7 @@ class UnseenSpace {
       near_.clear();
       return;
     }
-    require(edge > 0.0 && std::isfinite(edge), "unseen space: expected cells of a positive width");
+    require(edge > 0.0 && std::isfinite(edge), "frontiers: expected cells of a positive width");
     const int side = std::max(1, static_cast<int>(std::lround(edge / states.voxel_size())));
     if (side != side_ || region.min() != region_.min() || region.max() != region_.max()) {
       border_.clear();
@@ -79,7 +79,7 @@ class UnseenSpace {
     cells_.clear();
     for (const VoxelKey& cell : border_) {
       const auto it = looks_.find(cell);
-      if (it == looks_.end() || it->second < options_.max_looks) cells_.push_back(cell);
+      if (it == looks_.end() || it->second < options_.max_views) cells_.push_back(cell);
     }
     near_.assign(cells_.size(), 0);
   }
@@ -100,12 +100,12 @@ class UnseenSpace {
       }
     return hits / cells;
   }
-  const UnseenSpaceOptions& options() const { return options_; }
+  const FrontierOptions& options() const { return options_; }
   /// Cell `i` is near known surface: `chance` is not told what it holds if it is opened by the next
   /// update.
   void note_near(std::size_t i) { near_[i] = 1; }
   /// Somebody has looked at cell `i` and it is on the border still.
-  void note_look(std::size_t i) { ++looks_[cells_[i]]; }
+  void note_view(std::size_t i) { ++looks_[cells_[i]]; }
 
  private:
   struct ByLayer {
@@ -150,7 +150,7 @@ class UnseenSpace {
   struct Layer {
     double cells = 0.0, hits = 0.0;
   };
-  UnseenSpaceOptions options_;
+  FrontierOptions options_;
   int side_ = 0;       // of a cell, in voxels
   double edge_ = 0.0;  // the same [m]
   Box3 region_;

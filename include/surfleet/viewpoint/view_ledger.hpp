@@ -13,12 +13,12 @@
 #include <vector>
 
 #include <surfleet/core/types.hpp>
-#include <surfleet/mapping/look_notes.hpp>
+#include <surfleet/mapping/view_notes.hpp>
 #include <surfleet/viewpoint/left_reason.hpp>
 
 namespace surfleet {
-struct LookLedgerOptions {
-  int max_looks = 1;     ///< Looks in vain before an element is given up.
+struct ViewLedgerOptions {
+  int max_views = 1;     ///< Looks in vain before an element is given up.
   int max_failures = 3;  ///< Flights that found no way before it is.
   /// A look within this angle of one in vain would be in vain too [rad].
   double same_side = radians(40.0);
@@ -30,27 +30,27 @@ struct LookLedgerOptions {
 /// noise moves the elements about by a voxel, and none of them is new. Looks are a set and failures
 /// sums, so that what others note is added in any order and taken away again without a trace: equal
 /// notes make equal ledgers.
-class LookLedger {
+class ViewLedger {
  public:
-  explicit LookLedger(LookLedgerOptions options = {})
+  explicit ViewLedger(ViewLedgerOptions options = {})
       : options_(options), same_side_(std::cos(options.same_side)) {}
 
   // -- what comes in -----------------------------------------------------------------------------
   /// A look that should have been enough left the element incomplete; `direction` is the unit
   /// vector from it to the camera. Looks from the same place count as one.
-  void looked_in_vain(const VoxelIndex& v, const Eigen::Vector3d& direction) {
-    const VoxelKey place = look_place(v);
+  void viewed_in_vain(const VoxelIndex& v, const Eigen::Vector3d& direction) {
+    const VoxelKey place = view_place(v);
     Entry& entry = entries_[place];
     for (const auto& [look, times] : entry.looks)
       if (unit_vector(look).dot(direction) > kSamePlace) return;
-    const LookDirection look = quantised(direction);
+    const ViewDirection look = quantised(direction);
     ++entry.looks[look];
     news_.looks.push_back({place, look});
   }
   /// No path was found to a configuration that sees these: one failure for each place.
   void not_reached(std::span<const VoxelIndex> voxels) {
     std::set<VoxelKey> places;
-    for (const VoxelIndex& v : voxels) places.insert(look_place(v));
+    for (const VoxelIndex& v : voxels) places.insert(view_place(v));
     for (const VoxelKey& place : places) {
       int& failures = entries_[place].failures;
       if (failures >= options_.max_failures) continue;
@@ -59,16 +59,16 @@ class LookLedger {
     }
   }
   /// What another robot of this kind has noted. O(n log n).
-  void add(const LookNotes& notes) { change(notes, 1); }
+  void add(const ViewNotes& notes) { change(notes, 1); }
   /// Takes away what was added, or noted here: what is left is as if it had never come. Throws
   /// `Error`, and changes nothing, if it is not there.
-  void remove(const LookNotes& notes) {
-    for (const LookNotes::Look& l : notes.looks) {
+  void remove(const ViewNotes& notes) {
+    for (const ViewNotes::Look& l : notes.looks) {
       const auto it = entries_.find(l.place);
       require(it != entries_.end() && it->second.looks.contains(l.direction),
               "looks in vain: expected some that were added");
     }
-    for (const LookNotes::Failure& f : notes.failures) {
+    for (const ViewNotes::Failure& f : notes.failures) {
       const auto it = entries_.find(f.place);
       require(it != entries_.end() && it->second.failures >= f.count,
               "failures: expected some that were added");
@@ -76,8 +76,8 @@ class LookLedger {
     change(notes, -1);
   }
   /// What was noted here since the last call, for others.
-  LookNotes take_news() {
-    LookNotes news = merged_notes(std::span<const LookNotes>(&news_, 1));
+  ViewNotes take_news() {
+    ViewNotes news = merged_notes(std::span<const ViewNotes>(&news_, 1));
     news_ = {};
     return news;
   }
@@ -86,13 +86,13 @@ class LookLedger {
   // -- what is held ------------------------------------------------------------------------------
   /// How many looks were in vain.
   std::size_t looks(const VoxelIndex& v) const {
-    const auto it = entries_.find(look_place(v));
+    const auto it = entries_.find(view_place(v));
     return it == entries_.end() ? 0 : it->second.looks.size();
   }
   bool fresh(const VoxelIndex& v) const { return looks(v) == 0; }  ///< No look was in vain yet.
   /// Whether a look along this direction shows a side that was not looked at in vain.
   bool promises(const VoxelIndex& v, const Eigen::Vector3d& direction) const {
-    const auto it = entries_.find(look_place(v));
+    const auto it = entries_.find(view_place(v));
     if (it == entries_.end()) return true;
     return std::none_of(it->second.looks.begin(), it->second.looks.end(), [&](const auto& look) {
       return unit_vector(look.first).dot(direction) > same_side_;
@@ -101,20 +101,20 @@ class LookLedger {
   bool given_up(const VoxelIndex& v) const { return reason(v).has_value(); }
   /// Why nobody is sent there any more; nothing while it is worth another look.
   std::optional<LeftReason> reason(const VoxelIndex& v) const {
-    const auto it = entries_.find(look_place(v));
+    const auto it = entries_.find(view_place(v));
     if (it == entries_.end()) return std::nullopt;
-    const auto most = static_cast<std::size_t>(std::max(options_.max_looks, 0));
+    const auto most = static_cast<std::size_t>(std::max(options_.max_views, 0));
     if (it->second.looks.size() >= most && it->second.sides() >= most)
       return LeftReason::seen_incomplete;
     if (it->second.failures >= options_.max_failures) return LeftReason::unreachable;
     return std::nullopt;
   }
   /// Whether the same was noted, by whomever and in whatever order.
-  bool operator==(const LookLedger& other) const { return entries_ == other.entries_; }
+  bool operator==(const ViewLedger& other) const { return entries_ == other.entries_; }
 
  private:
   struct Entry {
-    std::map<LookDirection, int> looks;  // how often each was noted
+    std::map<ViewDirection, int> looks;  // how often each was noted
     int failures = 0;
     bool operator==(const Entry&) const = default;
     bool empty() const { return looks.empty() && failures == 0; }
@@ -130,13 +130,13 @@ class LookLedger {
       return counted.size();
     }
   };
-  void change(const LookNotes& notes, int sign) {
-    for (const LookNotes::Look& l : notes.looks) {
+  void change(const ViewNotes& notes, int sign) {
+    for (const ViewNotes::Look& l : notes.looks) {
       Entry& entry = entries_[l.place];
       if ((entry.looks[l.direction] += sign) == 0) entry.looks.erase(l.direction);
       if (entry.empty()) entries_.erase(l.place);
     }
-    for (const LookNotes::Failure& f : notes.failures) {
+    for (const ViewNotes::Failure& f : notes.failures) {
       Entry& entry = entries_[f.place];
       entry.failures += sign * f.count;
       if (entry.empty()) entries_.erase(f.place);
@@ -144,9 +144,9 @@ class LookLedger {
   }
 
   static constexpr double kSamePlace = 0.98;  ///< Cosine of ten degrees.
-  LookLedgerOptions options_;
+  ViewLedgerOptions options_;
   double same_side_;
   std::map<VoxelKey, Entry> entries_;
-  LookNotes news_;  // not sorted
+  ViewNotes news_;  // not sorted
 };
 }  // namespace surfleet
