@@ -10,10 +10,10 @@
 namespace {
 using namespace surfleet;
 
-/// A rod of two metres along the heading before the wall x = 0.
+/// A rod of one metre, ahead of its position, before the wall x = 0.
 struct Rod {
   double distance(const Configuration& q) const {
-    return std::max(0.0, -q.position.x() - std::abs(std::cos(q.yaw)));
+    return std::max(0.0, -q.position.x() - std::max(0.0, std::cos(q.yaw)));
   }
 };
 static_assert(BodyDistanceJudge<Rod> && !BodyDistanceJudge<int>);
@@ -39,7 +39,7 @@ TEST(a_body_is_judged_between_the_instants) {
   // The shorter way round, which passes π.
   const JudgeReport round = judge_rod({{Point3(-1.2, 0, 0), 2.6}, {Point3(-1.2, 0, 0), -2.6}});
   CHECK(round.collisions_with_scene == 0);
-  CHECK_NEAR(round.min_clearance_m, 0.2, 2e-3);
+  CHECK_NEAR(round.min_clearance_m, 1.2, 1e-9);
   // Straight on while it turns.
   const JudgeReport both = judge_rod({{Point3(-4, 0, 0), kPi / 2}, {Point3(-0.5, 0, 0), 0.3}});
   CHECK(both.collisions_with_scene == 1);
