@@ -257,15 +257,41 @@ TEST(paths_become_shorter_as_the_roadmap_grows) {
   };
   const double at_first = detour();
   const std::size_t size = roadmap.size();
-  roadmap.update();
-  CHECK(roadmap.size() > size && roadmap.size() <= size + roadmap.options().growth);
+  roadmap.update();  // nothing has changed
+  CHECK(roadmap.size() == size);
   roadmap.densify();
   const double at_last = detour();
   CHECK(roadmap.size() > 2 * size);
   CHECK(at_last - 1.0 < 0.9 * (at_first - 1.0));
   const std::size_t whole = roadmap.size();
-  roadmap.update();  // nothing is left to add
+  roadmap.densify();  // nothing is left to add
   CHECK(roadmap.size() == whole);
+}
+
+TEST(with_every_change_the_roadmap_grows_by_so_many_samples_at_most) {
+  TsdfMap tsdf({.voxel_size = 0.3});
+  const Boxes scene{{box(-3, -3, -1, -2, 3, 1), box(1, -3, -1, 2, 3, 1)}};
+  VoxelStateMap states(tsdf);
+  FreeSpace space(states, {.radius = 0.3, .bounds = box(-9, -5, -3, 9, 5, 3)});
+  LazyPrmStar sparse(space, {.samples = 1}), dense(space, {.growth = 3});
+  std::ptrdiff_t more = 0;
+  for (double x = -8.0; x < 8.0; x += 0.5) {
+    observe(tsdf, box(x, -5, -3, x + 0.5, 5, 3), scene);
+    states.update(tsdf);
+    space.update();
+    sparse.update();
+    dense.update();
+    const auto alive = [](const LazyPrmStar& roadmap) {
+      std::ptrdiff_t count = 0;
+      for (std::size_t i = 0; i < roadmap.size(); ++i)
+        count += roadmap.alive(static_cast<std::int32_t>(i)) ? 1 : 0;
+      return count;
+    };
+    const std::ptrdiff_t now = alive(dense) - alive(sparse);
+    CHECK(now <= more + 3);
+    more = now;
+  }
+  CHECK(more > 20);
 }
 
 TEST(roadmap_settings_are_checked) {

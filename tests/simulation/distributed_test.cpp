@@ -72,9 +72,12 @@ std::vector<Configuration> flown_alone(const MissionOptions& o, box_world::World
     const double now = step * o.agent.image_period;
     Agent<Body>& agent = *agents[0];
     agent.sense();
-    if (!agent.at_rest()) recorder.integrate(agent.reading(), o.kind.sensor(), agent.sensor_pose());
-    fusion.show_open(recorder.open());
-    if (recorder.due()) {
+    if (!agent.at_rest()) {
+      recorder.integrate(agent.reading(), o.kind.sensor(), agent.sensor_pose());
+      fusion.show_open(recorder.open());
+    }
+    // At rest what is open is told, as nothing will be added soon.
+    if (recorder.due() || (agent.at_rest() && recorder.images() > 0)) {
       const MapPatch patch = recorder.close();
       fusion.close_open(&patch);
     }

@@ -89,7 +89,7 @@ TourPlannerOptions tour_options() {
   return o;
 }
 
-TEST(two_robots_reconstruct_a_box_by_tsga) { fly(2, TsgaPlanner(tour_options()), 1, 0.98); }
+TEST(two_robots_reconstruct_a_box_by_tsga) { fly(2, TsgaPlanner(tour_options()), 1, 0.97); }
 TEST(two_robots_reconstruct_a_box_by_gain_of_volume_a_metre) {
   fly(2,
       TourPlanner<GreedyAllocator<>, KeepAllocation, MergeNearby, RatioUtility, UnknownInSight>(

@@ -48,7 +48,7 @@ struct RoadmapArc {
 ///
 /// Every cube of edge `spacing` that has room holds one sample: the first free of a few jittered
 /// tries, else its roomiest free voxel, so that narrow places are not missed. Cubes that obstacles
-/// reach into are given more, some with every update, so that paths get shorter. Samples closer
+/// reach into are given more, some with every change, so that paths get shorter. Samples closer
 /// than the connection radius of PRM* (Karaman and Frazzoli 2011, k = e(1 + 1/d) log n) at the
 /// density of where they are put are neighbours. Edges are checked when a candidate path asks for
 /// them (Hauser 2015), and the answer is kept until the free space changes nearby. Where the
@@ -84,11 +84,10 @@ class LazyPrmStar {
   const LazyPrmOptions& options() const { return options_; }
   const ReachableSet& reachable_set() const { return reachable_; }
   double connection_radius() const { return radius_; }
-  /// Brings roadmap and components up to date with the free space, and adds samples. Queries want
-  /// it after every change of the free space.
+  /// Brings roadmap and components up to date with the free space, and adds samples if that has
+  /// changed. Queries want it after every change of the free space.
   void update() {
-    follow();
-    grow();
+    if (follow()) grow();
   }
   /// Adds samples until all cubes have theirs: for a space that is known from the beginning.
   void densify() {
@@ -236,10 +235,11 @@ class LazyPrmStar {
   }
 
   // -- samples -----------------------------------------------------------------------------------
-  void follow() {
+  /// True if the free space has changed.
+  bool follow() {
     reachable_.update();
     const auto changed = space_->changed_since(cursor_);
-    if (changed.empty()) return;
+    if (changed.empty()) return false;
     cursor_ = space_->revision();
     ++epoch_;
     // Cells whose sample may have come or gone, and nodes an edge of which may have become free.
@@ -254,6 +254,9 @@ class LazyPrmStar {
         touched.push_back(c);
       });
     }
+    // The order in which blocks have changed is nothing that the samples should depend on.
+    std::sort(touched.begin(), touched.end(),
+              [](const VoxelIndex& a, const VoxelIndex& b) { return key_of(a) < key_of(b); });
     for (const VoxelIndex& c : touched) repair(c);
     const Eigen::Vector3d reach = Eigen::Vector3d::Constant(0.5 * radius_);
     const int rings = static_cast<int>(std::ceil(reach.x() / options_.spacing));
@@ -263,6 +266,7 @@ class LazyPrmStar {
                        if (const Cell* cell = cells_.find(n); cell != nullptr)
                          for (const std::int32_t id : cell->nodes) forget_blocked(id);
                      });
+    return true;
   }
   void repair(const VoxelIndex& c) {
     Cell& cell = cells_.ensure(c);
