@@ -21,7 +21,7 @@ Looks looks_at_a_wall(std::optional<AnyIntegrator> integrator, double away) {
   RobotKind kind;
   kind.camera = PinholeCamera::from_fov(radians(90), radians(60), 160, 92, 0.2, 12.0);
   kind.bounds = Box3(Point3::Constant(-20.0), Point3::Constant(20.0));
-  SurfaceBelief belief({.voxel_size = 0.25, .integrator = std::move(integrator)},
+  SurfaceBelief belief({.voxel_size = 0.25, .integrator = std::move(integrator), .region = {}},
                        std::span<const RobotKind>(&kind, 1));
   const DepthImage wall(kind.camera.width, kind.camera.height, static_cast<float>(away));
   const VoxelIndex v = belief.known().grid().index_of({away - 0.02, 0.1, 0.1});
@@ -59,16 +59,18 @@ TEST(a_belief_integrates_by_its_own_settings) {
   const SurfaceBeliefOptions o =
       SurfaceBelief::checked({.voxel_size = 0.25,
                               .tsdf = {.truncation = 0.5, .threads = 3},
-                              .integrator = TsdfIntegrator({.truncation = 9.0}, ConstantWeight{})});
+                              .integrator = TsdfIntegrator({.truncation = 9.0}, ConstantWeight{}),
+                              .region = {}});
   CHECK(o.integrator->options.truncation == 0.5 && o.integrator->options.threads == 3);
   const SurfaceBeliefOptions plain =
-      SurfaceBelief::checked({.voxel_size = 0.25, .tsdf = {.truncation = 0.0}});
+      SurfaceBelief::checked({.voxel_size = 0.25, .tsdf = {.truncation = 0.0}, .region = {}});
   CHECK(plain.integrator->options.truncation == 0.75);
   CHECK(plain.integrator->weight(-0.1, 4.0) == 1.0 / 16.0);
   CHECK(plain.integrator->weight(-0.375, 4.0) == 0.0);
   // A rule without weight never makes anything known; that is no reason to look for ever.
-  SurfaceBelief blind({.voxel_size = 0.2, .integrator = TsdfIntegrator({}, ConstantWeight{0.0})},
-                      std::span<const RobotKind>(std::vector<RobotKind>(1)));
+  SurfaceBelief blind(
+      {.voxel_size = 0.2, .integrator = TsdfIntegrator({}, ConstantWeight{0.0}), .region = {}},
+      std::span<const RobotKind>(std::vector<RobotKind>(1)));
   CHECK(blind.images_needed(Point3::Zero(), {3, 0, 0}) == 1000000002);
 }
 }  // namespace
