@@ -325,18 +325,14 @@ double coverage_of_met(const InspectionSettings& s, const InspectionSite& site, 
   }
   return all == 0 ? 0.0 : static_cast<double>(covered) / static_cast<double>(all);
 }
-}  // namespace
 
-namespace {
 /// Who has left the mission has no place for the rest of it.
 void end_of_lost(std::vector<std::vector<Point3>>& paths, std::span<const RobotId> lost) {
   std::size_t instants = 0;
   for (const auto& path : paths) instants = std::max(instants, path.size());
   for (const RobotId r : lost) paths[r].resize(instants, Point3::Constant(JudgeReport::kNone));
 }
-}  // namespace
 
-namespace {
 /// Puts what befell the true shape in the place of what would have befallen the ball around it.
 void judge_shape(const InspectionSettings& s, const InspectionSite& site, const InspectionRun& run,
                  InspectionJudgement& judged) {

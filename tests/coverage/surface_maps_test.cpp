@@ -1,33 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/coverage/surface_maps.hpp>
 
-#include <numeric>
-
 #include <surfleet/core/disjoint_sets.hpp>
 #include <surfleet/core/random.hpp>
+#include <surfleet/fleet/impaired.hpp>
 #include <surfleet/simulation/surfaces.hpp>
 
 #include "check.hpp"
 
 namespace {
 using namespace surfleet;
-
-/// Loses what it is told to.
-struct LossyTransport {
-  using Payload = SurfaceMapReport;
-  PerfectTransport<SurfaceMapReport> inner;
-  Random random;
-  double loss;
-  void send(Message<SurfaceMapReport> message) {
-    for (RobotId to = 0; to < inner.robots(); ++to) {
-      if (to == message.from || random.uniform() < loss) continue;
-      message.to = to;
-      inner.send(message);
-    }
-  }
-  std::vector<Message<SurfaceMapReport>> receive(RobotId robot) { return inner.receive(robot); }
-};
-static_assert(Transport<LossyTransport>);
 
 struct Slope {
   SurfaceGraph graph = MeshGraph{}(bumpy_slope({.edge = 0.08}), EdgeGeodesic{}, MetricField{});
@@ -105,7 +87,7 @@ TEST(what_a_network_loses_is_told_again) {
     const Slope slope(seed, 7);
     SurfaceMaps whole = slope.sensed(0.6), poor = slope.sensed(0.6);
     PerfectTransport<SurfaceMapReport> perfect(7);
-    LossyTransport lossy{PerfectTransport<SurfaceMapReport>(7), Random(seed), 0.6};
+    SimulatedNetwork<SurfaceMapReport> lossy(7, {.loss = 0.6, .seed = seed});
     whole.exchange(slope.graph, slope.sites, perfect);
     for (int round = 0; round < 30; ++round) {
       poor.exchange(slope.graph, slope.sites, lossy);
@@ -114,6 +96,7 @@ TEST(what_a_network_loses_is_told_again) {
         CHECK(poor.teams()[name] == poor.teams()[i]);
       }
     }
+    CHECK(lossy.dropped(NetworkDrop::loss) > 100);
     CHECK(poor.teams() == whole.teams());
     for (int i = 0; i < 7; ++i) CHECK(poor.known(i) == whole.known(i));
   }

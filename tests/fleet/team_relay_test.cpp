@@ -126,7 +126,7 @@ TEST(who_stands_at_the_corner_of_a_wall_tells_either_side_of_the_other) {
   std::vector<Point3> at{{-3, 0, 1}, {3, 0, 1}, {0, 6, 1}};
   team.network.position = [&](RobotId r) { return at[r]; };
   team.network.line_of_sight = [&](const Point3& a, const Point3& b) {
-    return !bvh.cast(a, b - a, 1.0);
+    return is_clear_segment(bvh, a, b);
   };
   team.run(6.0);
   CHECK(team.team_of(0) == Ids({1, 2}) && team.team_of(1) == Ids({0, 2}));

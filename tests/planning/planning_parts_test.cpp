@@ -248,6 +248,17 @@ VoxelState among_pillars(const VoxelIndex& v) {
                                               : VoxelState::empty;
 }
 
+/// What robots believe of a hall of 20 × 14 m.
+template <typename StateAt>
+StillMission in_hall(const StateAt& state) {
+  TsdfMap map({.voxel_size = 0.3});
+  map_test::paint(map, {-36, -24, 0}, {36, 24, 13}, state);
+  return {std::move(map),
+          {.radius = 0.4, .margin = 0.3},
+          PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0),
+          Box3(Point3(-10.0, -7.0, 0.0), Point3(10.0, 7.0, 3.5))};
+}
+
 TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
   constexpr double kVoxel = 0.3;
   TsdfMap map({.voxel_size = kVoxel});
@@ -329,15 +340,10 @@ TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
 }
 
 TEST(nobody_is_sent_where_he_cannot_get) {
-  constexpr double kVoxel = 0.3;
-  TsdfMap map({.voxel_size = kVoxel});
   // Two rooms, and between them a wall without a door.
-  map_test::paint(map, {-36, -24, 0}, {36, 24, 13}, [](const VoxelIndex& v) {
+  StillMission still = in_hall([](const VoxelIndex& v) {
     return std::abs(v.x() - 3) < 2 ? VoxelState::occupied : among_pillars(v);
   });
-  StillMission still(map, {.radius = 0.4, .margin = 0.3},
-                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0),
-                     Box3(Point3(-10.0, -7.0, 0.0), Point3(10.0, 7.0, 3.5)));
   const auto check = [&](auto planner) {
     std::size_t stops = 0;
     Random random(4);
@@ -372,11 +378,7 @@ TEST(nobody_is_sent_where_he_cannot_get) {
 }
 
 TEST(clusters_are_worth_what_their_views_show) {
-  TsdfMap map({.voxel_size = 0.3});
-  map_test::paint(map, {-36, -24, 0}, {36, 24, 13}, among_pillars);
-  StillMission still(map, {.radius = 0.4, .margin = 0.3},
-                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0),
-                     Box3(Point3(-10.0, -7.0, 0.0), Point3(10.0, 7.0, 3.5)));
+  StillMission still = in_hall(among_pillars);
   std::vector<Teammate> robots{{{still.free.free_start(Point3(-8, 0, 1.5)), 0.0}, true, {}}};
   const SurfaceSituation situation = still.situation(robots);
   const std::vector<IncompleteElement> elements(situation.goals.begin(), situation.goals.end());
@@ -424,11 +426,7 @@ TEST(clusters_are_worth_what_their_views_show) {
 }
 
 TEST(a_single_cluster_is_made_finer_for_a_team) {
-  TsdfMap map({.voxel_size = 0.3});
-  map_test::paint(map, {-36, -24, 0}, {36, 24, 13}, among_pillars);
-  StillMission still(map, {.radius = 0.4, .margin = 0.3},
-                     PinholeCamera::from_fov(1.0, 0.8, 160, 120, 0.3, 4.0),
-                     Box3(Point3(-10.0, -7.0, 0.0), Point3(10.0, 7.0, 3.5)));
+  StillMission still = in_hall(among_pillars);
   const auto stops = [&](std::size_t least_clusters) {
     TourPlannerOptions options;
     options.distance = 2.5;

@@ -36,17 +36,7 @@ void judge_lidar_mission(const MissionResult& result, const TsdfMap& map) {
       for (std::size_t s = 0; s < r; ++s)
         CHECK((result.trajectories[s][k].configuration.position - q.position).norm() > 0.8);
     }
-  const Bvh mapped(extract_mesh(map, {.min_weight = 0.3}));
-  double near = 0.0, all = 0.0;
-  for (std::size_t t = 0; t < box.mesh.triangles.size(); ++t)
-    for (double u = 0.05; u < 1.0; u += 0.1)
-      for (double v = 0.05; u + v < 1.0; v += 0.1) {
-        const Point3 p = box.mesh.corner(t, 0) * (1.0 - u - v) + box.mesh.corner(t, 1) * u +
-                         box.mesh.corner(t, 2) * v;
-        all += 1.0;
-        near += mapped.distance(p) < 0.2 ? 1.0 : 0.0;
-      }
-  CHECK(near > 0.95 * all);
+  CHECK(box_world::mapped_share(box, map, 0.3) > 0.95);
 }
 TEST(robots_with_a_lidar_reconstruct_a_box_on_any_number_of_threads) {
   const box_world::World box;

@@ -10,7 +10,6 @@
 #include "box_world.hpp"
 #include "check.hpp"
 
-#include <surfleet/mapping/mesh_extractor.hpp>
 #include <surfleet/planning/rolling_tours.hpp>
 #include <surfleet/planning/tour_planner.hpp>
 #include <surfleet/planning/with_frontier_views.hpp>
@@ -36,21 +35,6 @@ static_assert(FleetPlanner<WithFrontierViews<NoPlan>>);
 /// Compiled once for all planners; `NoPlan` flies a mission of its own type.
 using AnyMission = Simulation<AnyPlanner, World>;
 
-/// The share of the box's surface that is mapped within a voxel.
-double mapped_share(const World& world, const TsdfMap& map) {
-  const Bvh mapped(extract_mesh(map, {.min_weight = 1e-6F}));
-  double near = 0.0, all = 0.0;
-  for (std::size_t t = 0; t < world.mesh.triangles.size(); ++t)
-    for (double u = 0.05; u < 1.0; u += 0.1)
-      for (double v = 0.05; u + v < 1.0; v += 0.1) {
-        const Point3 p = world.mesh.corner(t, 0) * (1.0 - u - v) + world.mesh.corner(t, 1) * u +
-                         world.mesh.corner(t, 2) * v;
-        all += 1.0;
-        near += mapped.distance(p) < 0.2 ? 1.0 : 0.0;
-      }
-  return near / all;
-}
-
 /// What every planner is held to: the box is reconstructed, by every robot, and nothing is hit.
 MissionResult fly(int robots, const AnyPlanner& planner, int threads, double least,
                   TsdfMap* map = nullptr) {
@@ -68,7 +52,7 @@ MissionResult fly(int robots, const AnyPlanner& planner, int threads, double lea
       for (std::size_t s = 0; s < r; ++s)
         CHECK((result.trajectories[s][k].configuration.position - p).norm() > 0.8);
     }
-  CHECK(mapped_share(world, mission.map()) > least);
+  CHECK(box_world::mapped_share(world, mission.map(), 1e-6F) > least);
   CHECK(result.complete && result.plans > 0);
   for (const double length : result.path_length) CHECK(length > 2.0);
   // Nothing is left that nobody tried.
@@ -127,7 +111,7 @@ TEST(a_planner_without_plans_ends_the_mission_with_reasons) {
     CHECK(result.remaining > 0);
     CHECK(result.reasons.at(LeftReason::not_attempted) == result.remaining);
     // And it meets nothing of what the others are held to.
-    CHECK(mapped_share(world, mission.map()) < 0.7);
+    CHECK(box_world::mapped_share(world, mission.map(), 1e-6F) < 0.7);
     for (const double length : result.path_length) CHECK(length == 0.0);
   }
 }

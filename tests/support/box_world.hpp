@@ -11,6 +11,8 @@
 
 #include <surfleet/geometry/bvh.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
+#include <surfleet/geometry/ray_caster.hpp>
+#include <surfleet/mapping/mesh_extractor.hpp>
 #include <surfleet/simulation/mission.hpp>
 
 namespace box_world {
@@ -36,7 +38,7 @@ struct World {
     return image;
   }
   bool sees(const surfleet::Point3& a, const surfleet::Point3& b) const {
-    return !bvh.cast(a, b - a, 1.0);
+    return surfleet::is_clear_segment(bvh, a, b);
   }
 };
 
@@ -71,6 +73,21 @@ inline surfleet::MissionOptions options(const World& world) {
       surfleet::Box3(surfleet::Point3(-5.0, -5.0, -3.0), surfleet::Point3(5.0, 5.0, 5.0));
   o.max_time = 600.0;
   return o;
+}
+
+/// The share of the box's surface that a voxel of known weight lies within 0.2 m of.
+inline double mapped_share(const World& world, const surfleet::TsdfMap& map, double min_weight) {
+  const surfleet::Bvh mapped(surfleet::extract_mesh(map, {.min_weight = min_weight}));
+  double near = 0.0, all = 0.0;
+  for (std::size_t t = 0; t < world.mesh.triangles.size(); ++t)
+    for (double u = 0.05; u < 1.0; u += 0.1)
+      for (double v = 0.05; u + v < 1.0; v += 0.1) {
+        const surfleet::Point3 p = world.mesh.corner(t, 0) * (1.0 - u - v) +
+                                   world.mesh.corner(t, 1) * u + world.mesh.corner(t, 2) * v;
+        all += 1.0;
+        near += mapped.distance(p) < 0.2 ? 1.0 : 0.0;
+      }
+  return near / all;
 }
 
 /// For robots that see with that in place of a camera.

@@ -22,6 +22,11 @@ struct SurfaceMapReport {
   std::vector<std::uint8_t> mates;  ///< By robot: whether it shares a map with it.
   std::vector<std::uint8_t> known;  ///< By site.
 };
+/// For networks that count: a site's number, and a bit a robot and a site [bytes].
+inline std::size_t byte_size(const SurfaceMapReport& r) {
+  return sizeof(r.site) + (r.mates.size() + r.known.size() + 7) / 8;
+}
+inline std::uint8_t kind_of(const SurfaceMapReport& /*report*/) { return 0; }
 
 /// The discovered subgraph of every robot.
 class SurfaceMaps {

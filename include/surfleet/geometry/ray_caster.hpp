@@ -36,6 +36,12 @@ concept BundleRayCaster = RayCaster<C> &&
   caster.cast_bundle(origin, directions, t_max, t);
 };
 
+/// Whether the segment between two different points meets no triangle.
+template <RayCaster Caster>
+bool is_clear_segment(const Caster& caster, const Point3& a, const Point3& b) {
+  return !caster.cast(a, b - a, 1.0);
+}
+
 /// The parameters of the first hits of rays from one origin; infinite where there is none.
 /// `t` has one entry a direction.
 template <RayCaster Caster>

@@ -2,9 +2,11 @@
 /// @file
 /// @brief Cuts what a robot sees into map patches [000 §4.4.1].
 ///
-///     PatchRecorder recorder({.robot = 2, .voxel_size = 0.3}, TsdfIntegrator({.truncation =
-///     0.9})); recorder.integrate(image, camera, T_world_camera); if (recorder.due())
-///     publish(recorder.close());
+/// ```cpp
+/// PatchRecorder recorder({.robot = 2, .voxel_size = 0.3}, TsdfIntegrator({.truncation = 0.9}));
+/// recorder.integrate(image, camera, T_world_camera);
+/// if (recorder.due()) publish(recorder.close());
+/// ```
 #pragma once
 
 #include <cmath>

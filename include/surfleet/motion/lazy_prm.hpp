@@ -94,9 +94,8 @@ class LazyPrmStar {
     while (!sparse_.empty()) grow();
   }
 
-  using Reach = ReachFrom;
   /// O(1), and O(voxels within `escape_distance`) when first asked for another component.
-  Reach reach_from(const Point3& a) const {
+  ReachFrom reach_from(const Point3& a) const {
     SURFLEET_ASSERT(cursor_ == space_->revision(), "the roadmap follows the free space");
     return {reachable_, space_->free_start(a, options_.escape_distance), options_.escape_distance};
   }
@@ -122,7 +121,7 @@ class LazyPrmStar {
   /// than the path `query` returns [m].
   std::vector<double> distances(const Point3& from, std::span<const Point3> targets) const {
     std::vector<double> result(targets.size(), std::numeric_limits<double>::infinity());
-    const Reach reach = reach_from(from);
+    const ReachFrom reach = reach_from(from);
     const Point3& start = reach.start();
     if (!space_->is_free(start)) return result;
     const double lead = (start - from).norm();
@@ -197,7 +196,7 @@ class LazyPrmStar {
   static constexpr double kBlocked = std::numeric_limits<double>::infinity();
 
   /// `reach` is that from `a`, of now.
-  std::optional<Path> query(const Point3& a, const Reach& reach, const Point3& b) const {
+  std::optional<Path> query(const Point3& a, const ReachFrom& reach, const Point3& b) const {
     if (!space_->is_free(b)) return std::nullopt;
     const auto visible = [this](const Point3& p, const Point3& q) {
       return space_->is_free_segment(p, q);

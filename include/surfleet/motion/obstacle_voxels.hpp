@@ -50,10 +50,12 @@ class ObstacleVoxels {
   void update(DistanceTransform& distances) {
     std::vector<BlockIndex> stale;
     for (const std::uint32_t slot : map_->grid().changed_since(cursor_)) {
-      const BlockIndex index = map_->grid().block(slot).index;
-      stale.push_back(index);
-      if (lengths_.growth > 0.0 && occupied_.set(index, occupied_bits(index), stale))
-        distances.ensure(index);
+      const auto& block = map_->grid().block(slot);
+      stale.push_back(block.index);
+      if (lengths_.growth <= 0.0) continue;
+      const BlockBits occupied =
+          bits_where(block, [](VoxelState s) { return s == VoxelState::occupied; });
+      if (occupied_.set(block.index, occupied, stale)) distances.ensure(block.index);
     }
     cursor_ = map_->grid().revision();
     stale.insert(stale.end(), pending_.begin(), pending_.end());
@@ -103,12 +105,16 @@ class ObstacleVoxels {
                                                        static_cast<double>(o / 64))));
   }
 
-  BlockBits occupied_bits(const BlockIndex& index) const {
+  /// Which voxels of a block of the map are in a state that `is` says.
+  template <typename Is>
+  static BlockBits bits_where(const VoxelStateMap::Grid::Block& block, Is&& is) {
     BlockBits bits{};
-    const auto& voxels = map_->grid().find_block(index)->voxels;
-    for (std::size_t o = 0; o < Grid::kBlockVoxels; ++o)
-      bits[o / 8] = static_cast<std::uint8_t>(
-          bits[o / 8] | static_cast<unsigned>(voxels[o] == VoxelState::occupied) << (o % 8));
+    for (std::size_t row = 0; row < bits.size(); ++row) {
+      unsigned b = 0;
+      for (std::size_t x = 0; x < 8; ++x)
+        b |= static_cast<unsigned>(is(block.voxels[row * 8 + x])) << x;
+      bits[row] = static_cast<std::uint8_t>(b);
+    }
     return bits;
   }
   BlockBits bits_of(const BlockIndex& index) const {
@@ -124,22 +130,13 @@ class ObstacleVoxels {
     return bits;
   }
   BlockBits map_bits(const BlockIndex& index) const {
-    BlockBits bits{};
-    const auto* block = map_->grid().find_block(index);
-    if (block == nullptr) {
-      if (options_.unknown_is_obstacle) bits.fill(0xFF);
-      return bits;
-    }
-    for (std::size_t row = 0; row < bits.size(); ++row) {
-      unsigned b = 0;
-      for (std::size_t x = 0; x < 8; ++x) {
-        const VoxelState s = block->voxels[row * 8 + x];
-        b |= static_cast<unsigned>(s == VoxelState::occupied ||
-                                   (s == VoxelState::unknown && options_.unknown_is_obstacle))
-             << x;
-      }
-      bits[row] = static_cast<std::uint8_t>(b);
-    }
+    const bool unknown = options_.unknown_is_obstacle;
+    if (const auto* block = map_->grid().find_block(index))
+      return bits_where(*block, [unknown](VoxelState s) {
+        return s == VoxelState::occupied || (s == VoxelState::unknown && unknown);
+      });
+    BlockBits bits;
+    bits.fill(unknown ? 0xFF : 0x00);
     return bits;
   }
   void clear_known_free(const BlockIndex& index, const Point3& first, const Box3& centers,

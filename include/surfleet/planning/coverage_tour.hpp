@@ -172,7 +172,7 @@ class CoverageTourPlanner {
     reachable_.assign(surface_.points.size(), 0);
     sites_ = {start_.position};
     FlightLattice<FreeSpace> lattice(space_, space_.options().bounds, options_.spacing);
-    const LazyPrmStar::Reach reach = roadmap_.reach_from(start_.position);
+    const ReachFrom reach = roadmap_.reach_from(start_.position);
     lattice.search(start_.position, [&](const auto& site) {
       if (!reach(site.position)) return true;
       const std::vector<Sighting> seen = targets_.seen_from(site.position);

@@ -27,7 +27,7 @@ class OpeningViews {
   /// made. `way` begins at the last place known to be free, where the robot could be already.
   /// Nothing if no place can be reached from which something wanted shows.
   std::optional<Stop> operator()(const SurfaceSituation& situation,
-                                 FlightLattice<FreeSpace>& lattice, const LazyPrmStar::Reach& reach,
+                                 FlightLattice<FreeSpace>& lattice, const ReachFrom& reach,
                                  const Configuration& from, const Point3& start,
                                  std::span<const Point3> way) {
     const double range = situation.space().kind.camera.max_range;

@@ -123,7 +123,7 @@ class RollingTours {
   struct Waiting {
     RobotId id;
     Point3 start;
-    LazyPrmStar::Reach reach;
+    ReachFrom reach;
   };
   /// Where stops could be, and how far that is for who waits.
   struct Sites {

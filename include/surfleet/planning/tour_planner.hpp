@@ -44,8 +44,8 @@ struct ViewSelection {
   std::span<const IncompleteElement> elements;  ///< Their targets.
   const ViewFrustum& frustum;
   const SurfaceSituation& situation;
-  std::span<const LazyPrmStar::Reach> reach;  ///< Of the robots that are planned for.
-  SightMemory& revealed;  ///< Of what such a selector finds the views to reveal.
+  std::span<const ReachFrom> reach;  ///< Of the robots that are planned for.
+  SightMemory& revealed;             ///< Of what such a selector finds the views to reveal.
 };
 /// Fewer viewpoints with the same targets. Models: `MergeNearby`, `CoverGreedily`.
 template <typename S>
@@ -161,7 +161,7 @@ class TourPlanner {
     const auto is_free = [&](const Configuration& q) {
       return situation.space().free.is_free(q.position);
     };
-    std::vector<LazyPrmStar::Reach> reach;
+    std::vector<ReachFrom> reach;
     for (const Configuration& s : starts)
       reach.push_back(situation.space().roadmap.reach_from(s.position));
     const auto is_reachable = [&](const Configuration& q) {

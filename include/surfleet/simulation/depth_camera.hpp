@@ -36,6 +36,15 @@ inline std::optional<double> intersect_sphere(const Point3& origin,
   return (b - std::sqrt(discriminant)) / a;
 }
 
+/// A robot's mates as a sensor sees them.
+inline std::vector<Sphere> balls_of_mates(std::span<const Configuration> fleet, std::size_t robot,
+                                          double radius) {
+  std::vector<Sphere> mates;
+  for (std::size_t k = 0; k < fleet.size(); ++k)
+    if (k != robot) mates.push_back({fleet[k].position, radius});
+  return mates;
+}
+
 /// Casts one ray a pixel centre against a scene and teammates' bodies; noise is a policy.
 ///
 /// Pixel values [m along z]: 0 where the first surface is nearer than the minimum range; within the

@@ -39,16 +39,14 @@ class DroneWorld {
 
   DepthImage capture(std::size_t robot, std::uint64_t shot,
                      std::span<const Configuration> fleet) const {
-    std::vector<Sphere> mates;
-    for (std::size_t k = 0; k < fleet.size(); ++k)
-      if (k != robot) mates.push_back({fleet[k].position, options_.body_radius});
+    const auto mates = balls_of_mates(fleet, robot, options_.body_radius);
     const Pose T_world_camera = camera_pose(fleet[robot], T_body_camera_);
     const Random random = Random(options_.seed).fork(robot).fork(shot);
     return options_.noise ? noisy_.capture(*caster_, T_world_camera, mates, random)
                           : exact_.capture(*caster_, T_world_camera, mates, random);
   }
   /// Whether nothing of the scene is between; robots are not in the way.
-  bool sees(const Point3& a, const Point3& b) const { return !caster_->cast(a, b - a, 1.0); }
+  bool sees(const Point3& a, const Point3& b) const { return is_clear_segment(*caster_, a, b); }
 
  private:
   const Caster* caster_;

@@ -63,7 +63,7 @@ class SceneSpace {
   }
   /// True if the segment meets no triangle.
   bool is_visible(const Point3& a, const Point3& b) const {
-    return a == b || !surface_.cast(a, b - a, 1.0);
+    return a == b || is_clear_segment(surface_, a, b);
   }
 
  private:

@@ -20,7 +20,7 @@
 
 namespace surfleet {
 /// Whether any of some robots can reach a place.
-inline bool any_reaches(std::span<const LazyPrmStar::Reach> reach, const Point3& p) {
+inline bool any_reaches(std::span<const ReachFrom> reach, const Point3& p) {
   return std::any_of(reach.begin(), reach.end(), [&](const auto& r) { return r(p); });
 }
 
@@ -41,11 +41,11 @@ static_assert(PathDistance<StopDistance> && PathDistance<LazyPrmStar>);
 class ViewAccess {
  public:
   /// O(robots × viewpoints).
-  ViewAccess(std::span<const LazyPrmStar::Reach> reach, std::span<const Viewpoint> views) {
+  ViewAccess(std::span<const ReachFrom> reach, std::span<const Viewpoint> views) {
     std::map<std::vector<bool>, std::int32_t> known;
     for (const Viewpoint& v : views) {
       std::vector<bool> robots;
-      for (const LazyPrmStar::Reach& r : reach) robots.push_back(r(v.configuration.position));
+      for (const ReachFrom& r : reach) robots.push_back(r(v.configuration.position));
       const auto [it, fresh] = known.try_emplace(robots, static_cast<std::int32_t>(groups_.size()));
       if (fresh) groups_.push_back(std::move(robots));
       group_of_.push_back(it->second);
