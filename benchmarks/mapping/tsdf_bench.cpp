@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -21,6 +22,7 @@
 #include <surfleet/evaluation/statistics.hpp>
 #include <surfleet/evaluation/surface_sampling.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
+#include <surfleet/mapping/occupancy_integrator.hpp>
 #include <surfleet/mapping/tsdf_integrator.hpp>
 #include <surfleet/simulation/stereo_noise.hpp>
 
@@ -133,37 +135,78 @@ void accuracy(benchmark::State& state) {
   }
 }
 
-void octomap_insert(benchmark::State& state) {
+/// What both occupancy maps are given: points in range, about their origin, in world axes.
+struct Readings {
+  std::vector<Point3> origins;
+  std::vector<LidarScan> scans;
+};
+Readings readings(bool lidar) {
   const Frames& f = frames();
-  const double voxel = 0.01 * static_cast<double>(state.range(0));
-  const std::size_t count = 2;  // a frame takes long enough
-  std::vector<octomap::Pointcloud> clouds(count);
-  std::vector<octomap::point3d> origins;
-  for (std::size_t i = 0; i < count; ++i) {
+  Readings r;
+  for (std::size_t i = 0; i < 2; ++i) {  // a frame takes OctoMap long enough
+    const Pose& T = lidar ? f.T_world_lidar[i] : f.T_world_camera[i];
+    r.origins.emplace_back(T.translation().cast<float>().cast<double>());
+    r.scans.emplace_back();
     const auto add = [&](const Point3& p) {
-      clouds[i].push_back(static_cast<float>(p.x()), static_cast<float>(p.y()),
-                          static_cast<float>(p.z()));
+      r.scans[i].points.push_back((T * p).cast<float>().cast<double>() - r.origins[i]);
     };
-    const Pose& T = state.range(2) == 0 ? f.T_world_camera[i] : f.T_world_lidar[i];
-    origins.emplace_back(static_cast<float>(T.translation().x()),
-                         static_cast<float>(T.translation().y()),
-                         static_cast<float>(T.translation().z()));
-    if (state.range(2) == 0) {
-      for (int v = 0; v < f.camera.height; ++v)
-        for (int u = 0; u < f.camera.width; ++u)
-          if (f.images[i](u, v) <= 5.0F)
-            add(T * (f.camera.ray(u, v) * static_cast<double>(f.images[i](u, v))));
-    } else {
+    if (lidar) {
       for (const Point3& p : f.scans[i])
-        if (p.norm() <= 8.0) add(T * p);
+        if (p.norm() <= 8.0) add(p);
+      continue;
     }
+    for (int v = 0; v < f.camera.height; ++v)
+      for (int u = 0; u < f.camera.width; ++u)
+        if (const float d = f.images[i](u, v); DepthImage::is_measurement(d) && d <= 5.0F)
+          add(f.camera.ray(u, v) * static_cast<double>(d));
   }
+  return r;
+}
+OccupancyMap occupancy_of(const Readings& r, double voxel) {
+  OccupancyMap map({.voxel_size = voxel});
+  OccupancyIntegrator run;
+  for (std::size_t i = 0; i < r.scans.size(); ++i)
+    run(r.scans[i], {.min_range = 0.0, .max_range = 1e3}, Pose(Eigen::Translation3d(r.origins[i])),
+        map);
+  return map;
+}
+void occupancy(benchmark::State& state) {
+  const Readings r = readings(state.range(2) != 0);
+  const double voxel = 0.01 * static_cast<double>(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(occupancy_of(r, voxel).block_count());
+  report(state, r.scans.size());
+}
+
+/// `differs` is the share of its voxels that `occupancy` has otherwise.
+void octomap_insert(benchmark::State& state) {
+  const Readings r = readings(state.range(2) != 0);
+  const double voxel = 0.01 * static_cast<double>(state.range(0));
+  const auto single = [](const Point3& p) {
+    return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()),
+                            static_cast<float>(p.z()));
+  };
+  std::vector<octomap::Pointcloud> clouds(r.scans.size());
+  for (std::size_t i = 0; i < clouds.size(); ++i)
+    for (const Point3& p : r.scans[i].points) clouds[i].push_back(single(r.origins[i] + p));
+  octomap::OcTree tree(voxel);
   for (auto _ : state) {
-    octomap::OcTree tree(voxel);
-    for (std::size_t i = 0; i < count; ++i) tree.insertPointCloud(clouds[i], origins[i]);
+    tree.clear();
+    for (std::size_t i = 0; i < clouds.size(); ++i)
+      tree.insertPointCloud(clouds[i], single(r.origins[i]), -1.0, false, false);
     benchmark::DoNotOptimize(tree.size());
   }
-  report(state, count);
+  report(state, clouds.size());
+  const OccupancyMap ours = occupancy_of(r, voxel);
+  tree.expand();
+  std::size_t leaves = 0, differ = 0;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf, ++leaves) {
+    const octomap::point3d c = leaf.getCoordinate();
+    const OccupancyVoxel* v = ours.find(ours.index_of(Point3(
+        static_cast<double>(c.x()), static_cast<double>(c.y()), static_cast<double>(c.z()))));
+    differ +=
+        v != nullptr && v->observed && std::abs(v->log_odds - leaf->getLogOdds()) < 1e-4F ? 0 : 1;
+  }
+  state.counters["differs"] = static_cast<double>(differ) / static_cast<double>(leaves);
 }
 
 void sizes(benchmark::internal::Benchmark* b) {
@@ -194,6 +237,7 @@ BENCHMARK(accuracy)
     ->ArgsProduct({{10, 5}, {1}, {kExact, kGaussian}})
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
+BENCHMARK(occupancy)->Name("Occupancy_Integrate")->Apply(rival_sizes);
 BENCHMARK(octomap_insert)->Name("OctoMap_InsertPointCloud")->Apply(rival_sizes);
 }  // namespace
 

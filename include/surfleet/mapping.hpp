@@ -14,6 +14,8 @@
 #include <surfleet/mapping/marching_cubes.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
 #include <surfleet/mapping/moved_patch.hpp>
+#include <surfleet/mapping/occupancy_integrator.hpp>
+#include <surfleet/mapping/occupancy_map.hpp>
 #include <surfleet/mapping/patch_codec.hpp>
 #include <surfleet/mapping/patch_fusion.hpp>
 #include <surfleet/mapping/patch_recorder.hpp>

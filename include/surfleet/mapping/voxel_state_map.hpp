@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -41,7 +42,7 @@ struct HitStates {
   bool operator==(const HitStates&) const = default;
 };
 
-/// What a block of a TSDF map says of its voxels.
+/// What a block of a map says of its voxels.
 struct BlockStates {
   BlockIndex index = BlockIndex::Zero();
   std::array<VoxelState, TsdfMap::kBlockVoxels> voxels{};
@@ -85,7 +86,21 @@ inline BlockStates block_states(const TsdfMap::Block& block, const VoxelStateOpt
   return states;
 }
 
-/// The states of a TSDF map's voxels, one byte each, kept up to date by the change.
+/// A map that states can be told of: `block_states(block, options)`, found beside the block's type,
+/// says which. Models: `TsdfMap`, `OccupancyMap`.
+template <typename Map>
+concept VoxelStateSource = Map::kBlockSide ==
+                           TsdfMap::kBlockSide&& requires(const Map& map, std::uint32_t slot,
+                                                          std::uint64_t cursor,
+                                                          const VoxelStateOptions& options) {
+  { map.voxel_size() } -> std::convertible_to<double>;
+  { map.revision() } -> std::convertible_to<std::uint64_t>;
+  { map.changed_since(cursor) } -> std::convertible_to<std::vector<std::uint32_t>>;
+  { block_states(map.block(slot), options) } -> std::same_as<BlockStates>;
+};
+static_assert(VoxelStateSource<TsdfMap>);
+
+/// The states of a map's voxels, one byte each, kept up to date by the change.
 ///
 /// A block that was never made is unknown. `update` costs O(changed blocks of the source); the
 /// blocks whose states really changed are marked here in turn, so that further consumers see less
@@ -94,14 +109,16 @@ class VoxelStateMap {
  public:
   using Grid = VoxelGrid<VoxelState, TsdfMap::kBlockSide, HitStates>;
 
-  explicit VoxelStateMap(const TsdfMap& map, VoxelStateOptions options = {})
+  template <VoxelStateSource Map>
+  explicit VoxelStateMap(const Map& map, VoxelStateOptions options = {})
       : options_(options), grid_({.voxel_size = map.voxel_size()}) {
     update(map);
   }
 
   /// Brings the states up to date with `map`, always the same map. Returns the number of blocks
   /// that changed.
-  std::size_t update(const TsdfMap& map) {
+  template <VoxelStateSource Map>
+  std::size_t update(const Map& map) {
     std::size_t changed = 0;
     for (const std::uint32_t slot : map.changed_since(cursor_)) {
       BlockStates states = block_states(map.block(slot), options_);
