@@ -135,21 +135,25 @@ void accuracy(benchmark::State& state) {
   }
 }
 
-/// What both occupancy maps are given: points in range, about their origin, in world axes.
-struct Readings {
-  std::vector<Point3> origins;
-  std::vector<LidarScan> scans;
+/// What both occupancy maps are given: points in range, in world axes and in single precision.
+struct Reading {
+  Eigen::Vector3f origin;
+  std::vector<Eigen::Vector3f> points;
+
+  LidarScan scan() const {
+    LidarScan scan;
+    for (const Eigen::Vector3f& p : points)
+      scan.points.emplace_back(p.cast<double>() - origin.cast<double>());
+    return scan;
+  }
 };
-Readings readings(bool lidar) {
+std::vector<Reading> readings(bool lidar) {
   const Frames& f = frames();
-  Readings r;
+  std::vector<Reading> all;
   for (std::size_t i = 0; i < 2; ++i) {  // a frame takes OctoMap long enough
     const Pose& T = lidar ? f.T_world_lidar[i] : f.T_world_camera[i];
-    r.origins.emplace_back(T.translation().cast<float>().cast<double>());
-    r.scans.emplace_back();
-    const auto add = [&](const Point3& p) {
-      r.scans[i].points.push_back((T * p).cast<float>().cast<double>() - r.origins[i]);
-    };
+    Reading& r = all.emplace_back(T.translation().cast<float>());
+    const auto add = [&](const Point3& p) { r.points.emplace_back((T * p).cast<float>()); };
     if (lidar) {
       for (const Point3& p : f.scans[i])
         if (p.norm() <= 8.0) add(p);
@@ -160,43 +164,43 @@ Readings readings(bool lidar) {
         if (const float d = f.images[i](u, v); DepthImage::is_measurement(d) && d <= 5.0F)
           add(f.camera.ray(u, v) * static_cast<double>(d));
   }
-  return r;
+  return all;
 }
-OccupancyMap occupancy_of(const Readings& r, double voxel) {
+OccupancyMap occupancy_of(const std::vector<Reading>& all, double voxel) {
   OccupancyMap map({.voxel_size = voxel});
   OccupancyIntegrator run;
-  for (std::size_t i = 0; i < r.scans.size(); ++i)
-    run(r.scans[i], {.min_range = 0.0, .max_range = 1e3}, Pose(Eigen::Translation3d(r.origins[i])),
-        map);
+  for (const Reading& r : all)
+    run(r.scan(), {.min_range = 0.0, .max_range = 1e3},
+        Pose(Eigen::Translation3d(r.origin.cast<double>())), map);
   return map;
 }
 void occupancy(benchmark::State& state) {
-  const Readings r = readings(state.range(2) != 0);
+  const std::vector<Reading> all = readings(state.range(2) != 0);
   const double voxel = 0.01 * static_cast<double>(state.range(0));
-  for (auto _ : state) benchmark::DoNotOptimize(occupancy_of(r, voxel).block_count());
-  report(state, r.scans.size());
+  for (auto _ : state) benchmark::DoNotOptimize(occupancy_of(all, voxel).block_count());
+  report(state, all.size());
 }
 
-/// `differs` is the share of its voxels that `occupancy` has otherwise.
+/// `differs` is the share of its voxels that `occupancy` has otherwise: OctoMap leaves out the last
+/// voxel that a ray passes if the ray ends on a face.
 void octomap_insert(benchmark::State& state) {
-  const Readings r = readings(state.range(2) != 0);
+  const std::vector<Reading> all = readings(state.range(2) != 0);
   const double voxel = 0.01 * static_cast<double>(state.range(0));
-  const auto single = [](const Point3& p) {
-    return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()),
-                            static_cast<float>(p.z()));
+  const auto single = [](const Eigen::Vector3f& p) {
+    return octomap::point3d(p.x(), p.y(), p.z());
   };
-  std::vector<octomap::Pointcloud> clouds(r.scans.size());
+  std::vector<octomap::Pointcloud> clouds(all.size());
   for (std::size_t i = 0; i < clouds.size(); ++i)
-    for (const Point3& p : r.scans[i].points) clouds[i].push_back(single(r.origins[i] + p));
+    for (const Eigen::Vector3f& p : all[i].points) clouds[i].push_back(single(p));
   octomap::OcTree tree(voxel);
   for (auto _ : state) {
     tree.clear();
     for (std::size_t i = 0; i < clouds.size(); ++i)
-      tree.insertPointCloud(clouds[i], single(r.origins[i]), -1.0, false, false);
+      tree.insertPointCloud(clouds[i], single(all[i].origin), -1.0, false, false);
     benchmark::DoNotOptimize(tree.size());
   }
   report(state, clouds.size());
-  const OccupancyMap ours = occupancy_of(r, voxel);
+  const OccupancyMap ours = occupancy_of(all, voxel);
   tree.expand();
   std::size_t leaves = 0, differ = 0;
   for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf, ++leaves) {

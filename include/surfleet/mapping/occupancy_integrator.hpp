@@ -5,10 +5,9 @@
 ///     OccupancyMap map{{.voxel_size = 0.1}};
 ///     OccupancyIntegrator integrate;
 ///     integrate(scan, lidar, T_world_lidar, map);
-///     VoxelStateMap states(map);                    // for free space, views and incomplete
-///     surface
-#pragma once
+///     VoxelStateMap states(map);  // for free space, views and incomplete surface
 
+#pragma once
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
