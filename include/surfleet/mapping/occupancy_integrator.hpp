@@ -6,8 +6,8 @@
 ///     OccupancyIntegrator integrate;
 ///     integrate(scan, lidar, T_world_lidar, map);
 ///     VoxelStateMap states(map);  // for free space, views and incomplete surface
-
 #pragma once
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
