@@ -126,6 +126,7 @@ TeamAgreement agreement(const Arguments& a, const SurfaceBeliefOptions& belief,
           .voxel = belief.voxel_size,
           .truncation = belief.tsdf.truncation,
           .known_weight = belief.known_weight,
+          .image_weight = a.settings.integrator().weight(0.0, 2.0),
           .packing = packer.packing()};
 }
 
