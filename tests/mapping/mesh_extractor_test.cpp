@@ -173,6 +173,27 @@ TEST(no_surface_beside_the_unknown) {
   CHECK(extract_mesh(TsdfMap{}).empty());
 }
 
+TEST(what_is_unknown_a_voxel_behind_a_surface_leaves_no_gaps) {
+  for (const Eigen::Vector3d& direction :
+       {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, 1, 1), Eigen::Vector3d(1, 1, 1),
+        Eigen::Vector3d(-1, 2, 3), Eigen::Vector3d(0.1, -1, 0.9)}) {
+    const Eigen::Vector3d n = direction.normalized();
+    TsdfMap map({.voxel_size = 1.0});
+    fill(map, VoxelIndex(-9, -9, -9), VoxelIndex(9, 9, 9),
+         [&](const VoxelIndex& v) { return n.dot(map.center(v)) - 0.37; });
+    const auto whole = sorted_triangles(extract_mesh(map));
+    for (std::uint32_t s = 0; s < map.block_count(); ++s)
+      for (TsdfVoxel& v : map.block(s).voxels)
+        if (v.distance < -1.0F) v.weight = 0.0F;
+    CHECK(whole.size() > 200 && sorted_triangles(extract_mesh(map)) == whole);
+    // Without the other end of an edge that it crosses there is none.
+    for (std::uint32_t s = 0; s < map.block_count(); ++s)
+      for (TsdfVoxel& v : map.block(s).voxels)
+        if (v.distance < 0.0F) v.weight = 0.0F;
+    CHECK(extract_mesh(map).empty());
+  }
+}
+
 TEST(steep_cubes_are_left_out) {
   TsdfMap map({.voxel_size = 1.0});
   fill(map, VoxelIndex(0, 0, 0), VoxelIndex(6, 4, 4),

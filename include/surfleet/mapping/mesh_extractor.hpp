@@ -20,7 +20,7 @@
 
 namespace surfleet {
 struct MeshOptions {
-  double min_weight = 1e-4;  ///< Voxels with less weight are unknown: no surface beside them.
+  double min_weight = 1e-4;  ///< Voxels with less weight are unknown: no surface ends at them.
   /// A cube whose distances change by more than this many voxel sizes along an edge that the
   /// surface crosses shows none: it lies between free space and the hidden side of something, not
   /// on it.
@@ -35,8 +35,8 @@ struct MeshOptions {
 /// O(changed blocks). `mesh` joins the parts: O(triangles), every vertex once, no cracks between
 /// blocks. Triangles are anticlockwise seen from the side of positive distance. A field whose zero
 /// set is closed within the known voxels gives a closed, oriented 2-manifold: every edge belongs
-/// to exactly two triangles, in opposite directions. Vertices keep 1/1000 of an edge away from
-/// voxel centres, so that no triangle collapses.
+/// to exactly two triangles, in opposite directions. Unknown voxels behind known solid ones leave
+/// no gaps. Vertices keep 1/1000 of an edge away from voxel centres, so that no triangle collapses.
 class MeshExtractor {
  public:
   explicit MeshExtractor(MeshOptions options = {}) : options_(options) {}
@@ -230,17 +230,29 @@ class MeshExtractor {
       for (int y = 0; y < kSide; ++y) {
         const std::array<std::size_t, 4> rows{row(y, z), row(y + 1, z), row(y, z + 1),
                                               row(y + 1, z + 1)};
-        unsigned known = (1U << kSide) - 1, any = 0, all = ~0U;
+        unsigned known = ~0U, solid = 0, empty = 0;
         for (const std::size_t r : rows) {
+          const unsigned s = w.solid[r], e = w.known[r] & ~s;
           known &= static_cast<unsigned>(w.known[r] & (w.known[r] >> 1));
-          any |= static_cast<unsigned>(w.solid[r] | (w.solid[r] >> 1));
-          all &= static_cast<unsigned>(w.solid[r] & (w.solid[r] >> 1));
+          solid |= s | s >> 1;
+          empty |= e | e >> 1;
         }
-        for (unsigned cubes = known & any & ~all; cubes != 0; cubes &= cubes - 1) {
+        // The surface of a cube needs the distances at both ends of the edges it crosses, no
+        // others: what lies deep behind a slanted surface may be hidden from all views.
+        for (unsigned cubes = solid & empty & ((1U << kSide) - 1); cubes != 0; cubes &= cubes - 1) {
           const int x = std::countr_zero(cubes);
-          unsigned pattern = 0;
-          for (unsigned k = 0; k < 4; ++k)
-            pattern |= (static_cast<unsigned>(w.solid[rows[k]]) >> x & 3U) << (2 * k);
+          const auto corners_in = [&](const auto& bits) {
+            unsigned pattern = 0;
+            for (unsigned k = 0; k < 4; ++k)
+              pattern |= (static_cast<unsigned>(bits[rows[k]]) >> x & 3U) << (2 * k);
+            return pattern;
+          };
+          unsigned pattern = corners_in(w.solid);
+          if ((known >> x & 1U) == 0U) {  // unknown corners beside solid ones alone are solid
+            const unsigned known_corners = corners_in(w.known), unknown = known_corners ^ 0xFFU;
+            if ((beside(unknown) & known_corners & ~pattern) != 0U) continue;
+            pattern |= unknown;
+          }
           if (limited && steep(w, rows, x, pattern)) continue;
           const CubeTriangles& triangles = table[pattern];
           for (std::size_t t = 0; t < triangles.count; ++t) {
@@ -251,6 +263,12 @@ class MeshExtractor {
           }
         }
       }
+  }
+
+  /// The corners that share an edge of the cube with one of `corners`.
+  static unsigned beside(unsigned corners) {
+    return (corners & 0x55U) << 1 | (corners & 0xAAU) >> 1 | (corners & 0x33U) << 2 |
+           (corners & 0xCCU) >> 2 | (corners & 0x0FU) << 4 | corners >> 4;
   }
 
   bool steep(const Window& w, const std::array<std::size_t, 4>& rows, int x,

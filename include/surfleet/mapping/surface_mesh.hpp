@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -26,11 +28,14 @@ struct SurfaceMeshOptions {
   /// A point of the hits is held by the distances if their mesh comes this near to it, with a
   /// normal of the same side [voxels].
   double held_within = 0.5;
-  /// A triangle of the distances stands only if a point of its side is this near, and it is within
-  /// `held_within` of that point's plane [voxels].
+  /// A triangle of the distances stands only if points of its side are this near within
+  /// `held_within` of whose planes it is, and the nearest of them is of no thin body [voxels].
   double backed_within = 1.5;
-  /// How far from a point its patch reaches [voxels].
-  double patch_radius = 0.75;
+  /// A body is thin where its sides are nearer to each other than this: there may be no voxel
+  /// centre between them, and what is seen of one tears the distances of the other [voxels].
+  double thin_within = 1.0;
+  /// How far from a point its patch reaches: from the middle of a voxel to its corners [voxels].
+  double patch_radius = 0.5 * std::numbers::sqrt3;
   /// Radius of the neighbourhood that the signed distance of a patch is averaged over [voxels].
   double support = 1.75;
   int threads = 1;  ///< The result is the same for any number.
@@ -70,6 +75,24 @@ class TriangleCells {
   const TriangleMesh* mesh_;
   VoxelGrid<std::vector<std::int32_t>, 4> cells_;
 };
+
+/// Marks the points that a point of the other side is within `thin_within` of. O(neighbours).
+inline std::vector<std::uint8_t> thin_points(const PointCloud& points, const KdTree& tree,
+                                             double voxel_size, const SurfaceMeshOptions& options) {
+  constexpr float kOpposite = -0.5F;  // cosine of normals below which sides are two
+  std::vector<std::uint8_t> thin(points.size(), 0);
+  parallel_for(
+      thin.size(), options.threads,
+      [&](std::size_t i) {
+        const double reach = options.thin_within * voxel_size;
+        tree.for_each_within(points.points[i], reach, [&](const Neighbor& near) {
+          const auto j = static_cast<std::size_t>(near.index);
+          if (points.normals[i].dot(points.normals[j]) < kOpposite) thin[i] = 1;
+        });
+      },
+      256);
+  return thin;
+}
 
 /// Patches through points that the distances do not hold, one axis direction of normals after the
 /// other, so that the two sides of a sheet are two surfaces.
@@ -172,10 +195,11 @@ class PatchMesher {
 /// The mesh of everything known at `min_weight`, outward normals at the vertices.
 ///
 /// Where the zero of the distances runs along the hits, it is the surface. Triangles of the
-/// distances that no hits back (torn sheets leave such) are left out, and points of the hits that
-/// the distances do not hold get patches: the zero of the mean distance to the tangent planes of
-/// the points of one side, cut off `patch_radius` from the last of them. Both sides of a sheet are
-/// there, and a rim ends between them, open. A map without hits gives the mesh of its distances.
+/// distances that no hits back are left out, and so are those of thin bodies, whose sides tear each
+/// other's distances. Points of the hits that the distances do not hold get patches: the zero of
+/// the mean distance to the tangent planes of the points of one side, cut off `patch_radius` from
+/// the last of them. Both sides of a sheet are there, and a rim ends between them, open. A map
+/// without hits gives the mesh of its distances.
 /// `points` are those of `extract_points` at the same `min_weight`.
 /// O(voxels near the surface + hits · neighbours).
 inline TriangleMesh extract_surface(const TsdfMap& map, const PointCloud& points,
@@ -185,31 +209,35 @@ inline TriangleMesh extract_surface(const TsdfMap& map, const PointCloud& points
   if (points.size() > 0) {
     const double h = map.voxel_size();
     const KdTree tree(points.points);
+    const std::vector<std::uint8_t> thin = detail::thin_points(points, tree, h, options);
     std::vector<std::uint8_t> keep(mesh.triangles.size(), 0);
     parallel_for(
         keep.size(), options.threads,
         [&](std::size_t t) {
           const Eigen::Vector3d n = mesh.area_vector(t);
           const Point3 c = mesh.centroid(t);
+          double nearest2 = std::numeric_limits<double>::infinity();
           tree.for_each_within(c, options.backed_within * h, [&](const Neighbor& near) {
             const auto j = static_cast<std::size_t>(near.index);
             const Eigen::Vector3d m = points.normals[j].cast<double>();
-            if (m.dot(n) > 0.0 && std::abs(m.dot(c - points.points[j])) <= options.held_within * h)
-              keep[t] = 1;
+            if (near.distance2 >= nearest2 || m.dot(n) <= 0.0 ||
+                std::abs(m.dot(c - points.points[j])) > options.held_within * h)
+              return;
+            nearest2 = near.distance2;
+            keep[t] = thin[j] == 0 ? 1 : 0;
           });
         },
         256);
     mesh = selected(mesh, [&](std::size_t t) { return keep[t] != 0; });
 
     const detail::TriangleCells cells(mesh, h);
-    std::vector<std::uint8_t> wanted(points.size(), 0);
+    std::vector<std::uint8_t> wanted = thin;  // those that get patches
     parallel_for(
         points.size(), options.threads,
         [&](std::size_t i) {
-          wanted[i] = cells.near(points.points[i], points.normals[i].cast<double>(),
-                                 options.held_within * h)
-                          ? 0
-                          : 1;
+          if (!cells.near(points.points[i], points.normals[i].cast<double>(),
+                          options.held_within * h))
+            wanted[i] = 1;
         },
         256);
     const detail::PatchMesher patch(points, wanted, h, options);
