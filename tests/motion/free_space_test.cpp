@@ -19,7 +19,7 @@ bool brute_obstacle(const FreeSpace& space, const VoxelIndex& v) {
   const FreeSpaceOptions& o = space.options();
   if (space.map()(v) == VoxelState::unknown && o.unknown_is_obstacle) return true;
   const double h = space.voxel_size(), margin = o.margin.value_or(h);
-  const double more = o.unknown_is_obstacle ? margin - o.unknown_margin.value_or(margin) : 0.0;
+  const double more = margin - o.unknown_margin.value_or(margin);
   const double growth = more > 0.0 ? more / h + 0.5 : 0.0;
   const VoxelIndex most = VoxelIndex::Constant(static_cast<int>(growth));
   bool grown = false;
@@ -97,6 +97,8 @@ TEST(incremental_equals_fresh_and_bounds_hold) {
   // Nearer to what is unknown than to what is occupied.
   grow_and_compare({.radius = 0.4, .margin = 0.4, .unknown_margin = 0.15}, 0.15);
   grow_and_compare({.radius = 0.6, .margin = 0.4, .unknown_margin = 0.35}, 0.3);
+  grow_and_compare(
+      {.radius = 0.4, .unknown_is_obstacle = false, .margin = 0.4, .unknown_margin = 0.15}, 0.15);
   grow_and_compare({.radius = 0.3, .margin = 0.9, .unknown_margin = 0.0}, 0.15);
 }
 

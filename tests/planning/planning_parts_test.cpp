@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <span>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -71,40 +72,54 @@ TEST(lattice_search_stops_when_told_and_finds_nothing_when_shut_in) {
 }
 
 TEST(lattice_search_goes_on_beyond_passages_too_narrow_for_it) {
-  // Two rooms; only the caller knows of a way between them.
-  struct Wall {
-    bool is_free(const Point3& p) const { return !(p.x() > 4.0 && p.x() < 5.0); }
-    bool is_free_segment(const Point3& a, const Point3& b) const {
-      return (a.x() <= 4.0) == (b.x() <= 4.0);
-    }
-  } wall;
-  FlightLattice<Wall> lattice(wall, {Point3(0, 0, 0), Point3(10, 4, 2)}, 1.0);
-  const auto count = [&](auto&& ways) {
-    std::size_t here = 0, beyond = 0;
-    double nearest = 1e9;
-    lattice.search(
-        {1, 1, 1},
-        [&](const auto& site) {
-          CHECK(site.position.x() <= 4.0 ? beyond == 0 : here == 5 * 5 * 3);
-          ++(site.position.x() <= 4.0 ? here : beyond);
-          if (site.position.x() > 4.0) nearest = std::min(nearest, site.distance);
-          return true;
-        },
-        ways);
-    return std::tuple(here, beyond, nearest);
-  };
-  const auto none = [](std::span<const Point3> places) {
-    CHECK(places.size() == 6 * 5 * 3);
-    return std::vector<double>(places.size(), std::numeric_limits<double>::infinity());
-  };
-  CHECK(count(none) == std::tuple(75, 0, 1e9));
-  // One node of the other room can be flown to: the search has the rest from there.
-  const auto one = [](std::span<const Point3> places) {
-    std::vector<double> lengths(places.size(), std::numeric_limits<double>::infinity());
-    lengths[places.size() / 2] = 7.5;
-    return lengths;
-  };
-  CHECK(count(one) == std::tuple(75, 90, 7.5));
+  // Four rooms along x; only the caller knows of ways into the others, but the last.
+  struct Walls {
+    static int room(const Point3& p) { return static_cast<int>(p.x() / 5.0); }
+    bool is_free(const Point3& p) const { return std::fmod(p.x(), 5.0) < 3.5; }
+    bool is_free_segment(const Point3& a, const Point3& b) const { return room(a) == room(b); }
+  } walls;
+  FlightLattice<Walls> lattice(walls, {Point3(0, 0, 0), Point3(18, 4, 2)}, 1.0);
+  const std::array<double, 4> way{0.0, 30.0, 7.5, std::numeric_limits<double>::infinity()};
+  std::array<std::size_t, 4> asked{}, met{};
+  std::array<double, 4> nearest{1e9, 1e9, 1e9, 1e9};
+  double last = 0.0;
+  VoxelIndex end = VoxelIndex::Zero();
+  lattice.search(
+      {1, 1, 1},
+      [&](const auto& site) {
+        const auto room = static_cast<std::size_t>(Walls::room(site.position));
+        ++met[room];
+        nearest[room] = std::min(nearest[room], site.distance);
+        if (room == 0) CHECK(met[1] + met[2] == 0);
+        if (met[0] == 60 && room > 0) {
+          CHECK(site.distance >= last);
+          last = site.distance;
+          end = site.cell;
+        }
+        return true;
+      },
+      [&](const Point3& p) {
+        const auto room = static_cast<std::size_t>(Walls::room(p));
+        CHECK(walls.is_free(p) && room > 0);
+        ++asked[room];
+        if (room < 3) CHECK(p.x() == 5.0 * Walls::room(p) && p.y() == 1.0 && p.z() == 1.0);
+        return way[room];
+      });
+  // One of a room's nodes is asked about, the nearest, and the lattice has the rest from there.
+  CHECK(met == (std::array<std::size_t, 4>{60, 60, 60, 0}));
+  CHECK(asked == (std::array<std::size_t, 4>{0, 1, 1, 60}));
+  CHECK(nearest[1] == 30.0 && nearest[2] == 7.5);
+  const std::vector<VoxelIndex> path = lattice.way_to(end);
+  CHECK(path.front() == lattice.nearest({5, 1, 1}) && path.back() == end);
+  // Whoever has enough is not led on.
+  std::size_t visits = 0;
+  lattice.search(
+      {1, 1, 1}, [&](const auto&) { return ++visits < 60; },
+      [](const Point3&) {
+        CHECK(false);
+        return 1.0;
+      });
+  CHECK(visits == 60);
 }
 
 TEST(lattice_search_follows_the_space_where_it_is_told_to) {

@@ -13,6 +13,7 @@
 #include <queue>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <surfleet/core/types.hpp>
@@ -102,8 +103,9 @@ class FlightLattice {
   /// `start` until it returns false. O(visited · log visited).
   ///
   /// When that is done, goes on beyond passages too narrow for the lattice, if told of ways there:
-  /// `ways(std::span<const Point3>)` gives the lengths of the ways from `start` to the free nodes
-  /// that were not met, infinite where there is none [m]. It is called once at most.
+  /// `ways(Point3)` is the length of one from `start` to a free node, infinite where there is
+  /// none [m]. Of each part of the lattice that was not met it is asked about the nodes nearest to
+  /// `start`, until there is one; what was not met is visited in the order of the distance, too.
   ///
   /// `cost(step, to, length)` says what a step to a free node counts as, its length or more [m].
   template <typename Visit, typename Ways = LatticeOnly, typename Cost = StepLength>
@@ -119,9 +121,6 @@ class FlightLattice {
     std::vector<float> best(size(), std::numeric_limits<float>::infinity());
     std::vector<std::uint8_t> closed(size(), 0);
     came_by_.assign(size(), kSelf);
-    const auto inside = [&](const VoxelIndex& c) {
-      return (c.array() >= 0).all() && (c.array() < count_.array()).all();
-    };
     // Enter the lattice at every node near the start that can be flown to in a straight line.
     const VoxelIndex home = nearest(start);
     for (int r = 1; r <= 3 && open.empty(); ++r)
@@ -129,7 +128,7 @@ class FlightLattice {
         for (int y = -r; y <= r; ++y)
           for (int x = -r; x <= r; ++x) {
             const VoxelIndex c = home + VoxelIndex(x, y, z);
-            if (!inside(c)) continue;
+            if (!contains(c)) continue;
             const std::size_t i = index(c);
             const Point3 p = position(c);
             if (!is_free(c, i) || !free_->is_free_segment(start, p)) continue;
@@ -147,7 +146,7 @@ class FlightLattice {
         if (!visit(Site{cell, position(cell), e.distance})) return false;
         const bool inner = (cell.array() > 0).all() && (cell.array() < count_.array() - 1).all();
         for (const Step& step : steps_) {
-          if (!inner && !inside(cell + step.cells)) continue;
+          if (!inner && !contains(cell + step.cells)) continue;
           const std::size_t i = e.index + step.offset;
           if (closed[i] != 0 || static_cast<float>(e.distance + step.length) >= best[i]) continue;
           const VoxelIndex c = cell + step.cells;
@@ -164,22 +163,10 @@ class FlightLattice {
     };
     if (!expand()) return;
     if constexpr (!std::same_as<std::remove_cvref_t<Ways>, LatticeOnly>) {
-      // What the lattice does not join to the start.
-      std::vector<VoxelIndex> rest;
-      std::vector<Point3> places;
-      for (int z = 0; z < count_.z(); ++z)
-        for (int y = 0; y < count_.y(); ++y)
-          for (int x = 0; x < count_.x(); ++x) {
-            const VoxelIndex c(x, y, z);
-            const std::size_t i = index(c);
-            if (closed[i] != 0 || !is_free(c, i)) continue;
-            rest.push_back(c);
-            places.push_back(position(c));
-          }
-      if (rest.empty()) return;
-      const std::vector<double> lengths = ways(std::span<const Point3>(places));
-      for (std::size_t k = 0; k < rest.size(); ++k)
-        if (std::isfinite(lengths[k])) open.push({lengths[k], index(rest[k])});
+      for (const auto& [i, distance] : entrances(start, closed, ways)) {
+        best[i] = static_cast<float>(distance);
+        open.push({distance, i});
+      }
       expand();
     }
   }
@@ -221,6 +208,45 @@ class FlightLattice {
       if (ask()) n.free |= mask;
     }
     return (n.free & mask) != 0;
+  }
+  /// A node, and its distance from the start, for each part of the lattice beyond those that are
+  /// `closed`. O(nodes · log nodes).
+  template <typename Ways>
+  std::vector<std::pair<std::size_t, double>> entrances(const Point3& start,
+                                                        std::span<const std::uint8_t> closed,
+                                                        Ways&& ways) {
+    std::vector<std::pair<double, std::size_t>> rest;
+    for (std::size_t i = 0; i < closed.size(); ++i)
+      if (const VoxelIndex c = cell_of(i); closed[i] == 0 && is_free(c, i))
+        rest.emplace_back((position(c) - start).norm(), i);
+    std::sort(rest.begin(), rest.end());
+    std::vector<std::uint8_t> joined(closed.begin(), closed.end());
+    std::vector<std::pair<std::size_t, double>> found;
+    for (const auto& [away, i] : rest) {
+      if (joined[i] != 0) continue;
+      const double distance = ways(position(cell_of(i)));
+      if (!std::isfinite(distance)) continue;
+      found.emplace_back(i, distance);
+      joined[i] = 1;
+      for (std::vector<std::size_t> part{i}; !part.empty();) {
+        const std::size_t from = part.back();
+        const VoxelIndex cell = cell_of(from);
+        part.pop_back();
+        for (const Step& step : steps_) {
+          const VoxelIndex c = cell + step.cells;
+          const std::size_t to = from + step.offset;
+          if (!contains(c) || joined[to] != 0 || !is_free(c, to) ||
+              !is_free_edge(cell, from, c, step.direction))
+            continue;
+          joined[to] = 1;
+          part.push_back(to);
+        }
+      }
+    }
+    return found;
+  }
+  bool contains(const VoxelIndex& c) const {
+    return (c.array() >= 0).all() && (c.array() < count_.array()).all();
   }
   bool is_free(const VoxelIndex& c, std::size_t i) {
     return verdict(i, kSelf, [&] { return free_->is_free(position(c)); });

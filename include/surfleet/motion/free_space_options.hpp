@@ -22,7 +22,8 @@ struct FreeSpaceOptions {
   Box3 bounds{};                    ///< The body's centre stays inside; empty: no bounds.
   /// Kept between the body and the centre of an occupied voxel; one voxel edge if not given [m].
   std::optional<double> margin{};
-  /// The same for an unknown voxel, `margin` at the most; that if not given [m].
+  /// The same for an unknown voxel, `margin` at the most; that if not given [m]. What is occupied
+  /// counts the same whether unknown voxels do or not.
   std::optional<double> unknown_margin{};
   /// Obstacles, whatever the map says of them.
   KeepOut keep_out{};
@@ -54,7 +55,7 @@ struct FreeSpaceLengths {
     const double wide = options.margin.value_or(h);
     require(wide >= 0.0 && std::isfinite(wide),
             "margin " + std::to_string(wide) + " m: expected a length of 0 or more");
-    margin = options.unknown_is_obstacle ? options.unknown_margin.value_or(wide) : wide;
+    margin = options.unknown_margin.value_or(wide);
     require(margin >= 0.0 && margin <= wide, "margin " + std::to_string(margin) +
                                                  " m of what is unknown: expected 0 to " +
                                                  std::to_string(wide) + " m");

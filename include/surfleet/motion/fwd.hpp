@@ -21,6 +21,7 @@ struct Path;
 class PathFollower;
 class ReachableSet;
 class ReachFrom;
+class RoadmapWays;
 struct ShortcutOptions;
 struct Sphere;
 class SweptBody;

@@ -122,10 +122,8 @@ class ObstacleVoxels {
     const Point3 first = map_->grid().center(index * kBitsSide);
     const Box3 centers(first, first + Point3::Constant((kBitsSide - 1) * h));
     BlockBits bits = map_bits(index);
-    if (options_.unknown_is_obstacle) {
-      clear_known_free(index, first, centers, bits);
-      if (lengths_.growth > 0.0) occupied_.add_grown(index, bits);
-    }
+    if (options_.unknown_is_obstacle) clear_known_free(index, first, centers, bits);
+    if (lengths_.growth > 0.0) occupied_.add_grown(index, bits);
     add_kept_out(first, centers, bits);
     return bits;
   }

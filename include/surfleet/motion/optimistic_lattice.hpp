@@ -21,7 +21,7 @@ struct OptimisticLatticeOptions {
   double level_cost = 1.1, climb_cost = 3.0;
 };
 
-/// A flight lattice that takes what is unknown for free.
+/// A flight lattice that takes what is unknown for free; what is known to be free is free there.
 ///
 /// Robots fly only where they have seen nothing, so a planner that looks no farther than what is
 /// known sends them along it, and again at the next height when that is open. A goal that is chosen
@@ -60,9 +60,11 @@ class OptimisticLattice {
 
   /// Calls `visit(site, known)` for the nodes that may be reached, in the order of what it costs to
   /// get there (`site.distance`) until it returns false; `known` is the lattice of the space itself
-  /// and decides what a step costs. Call `follow` first.
-  template <typename Visit>
-  void search(const Point3& start, FlightLattice<FreeSpace>& known, Visit&& visit) {
+  /// and decides what a step costs. `ways` lead on beyond narrow passages, see `FlightLattice`.
+  /// Call `follow` first.
+  template <typename Visit, typename Ways = FlightLattice<FreeSpace>::LatticeOnly>
+  void search(const Point3& start, FlightLattice<FreeSpace>& known, Visit&& visit,
+              Ways&& ways = {}) {
     const auto cost = [&](const Eigen::Vector3d& step, const VoxelIndex& to, double length) {
       if (known.is_free(to)) return length;
       const double x = options.level_cost * step.x(), y = options.level_cost * step.y(),
@@ -71,7 +73,7 @@ class OptimisticLattice {
     };
     follow_->lattice.search(
         start, [&](const auto& site) { return visit(site, known.is_free(site.cell)); },
-        FlightLattice<FreeSpace>::LatticeOnly{}, cost);
+        std::forward<Ways>(ways), cost);
   }
   /// The way by which the last search came to a node it visited.
   std::vector<VoxelIndex> way_to(const VoxelIndex& cell) const {
@@ -88,7 +90,6 @@ class OptimisticLattice {
     }
     static FreeSpaceOptions optimistic(FreeSpaceOptions o) {
       o.unknown_is_obstacle = false;
-      o.unknown_margin.reset();
       return o;
     }
     const FreeSpace* real;

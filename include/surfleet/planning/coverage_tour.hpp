@@ -24,6 +24,7 @@
 #include <surfleet/geometry/ray_caster.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/motion/roadmap_ways.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
@@ -173,7 +174,7 @@ class CoverageTourPlanner {
     sites_ = {start_.position};
     FlightLattice<FreeSpace> lattice(space_, space_.options().bounds, options_.spacing);
     const ReachFrom reach = roadmap_.reach_from(start_.position);
-    lattice.search(start_.position, [&](const auto& site) {
+    const auto visit = [&](const auto& site) {
       if (!reach(site.position)) return true;
       const std::vector<Sighting> seen = targets_.seen_from(site.position);
       for (const Sighting& s : seen) reachable_[static_cast<std::size_t>(s.target)] = 1;
@@ -185,7 +186,8 @@ class CoverageTourPlanner {
       }
       sites_.push_back(site.position);
       return true;
-    });
+    };
+    lattice.search(start_.position, visit, RoadmapWays(roadmap_, start_.position));
   }
 
   /// Samples seen from the stops and on the way, as counts; the total area seen.

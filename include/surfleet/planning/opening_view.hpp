@@ -45,8 +45,8 @@ class OpeningViews {
     if (wanted.empty()) return std::nullopt;
     std::vector<FrontierViews::Wanted> list;
     for (const auto& [cell, gain] : wanted) list.push_back({cell, gain});
-    FrontierViews::Search search(looks_, lattice, std::move(list), space.map(),
-                                 situation.space().headings, kUsefulRange * range);
+    FrontierViews::Search search(looks_, lattice, situation.space().roadmap, std::move(list),
+                                 space.map(), situation.space().headings, kUsefulRange * range);
     const Point3& last = way.front();
     const double direct = (last - start).norm();
     const auto look =

@@ -18,6 +18,7 @@
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
+#include <surfleet/motion/roadmap_ways.hpp>
 #include <surfleet/motion/string_pulling.hpp>
 #include <surfleet/planning/interest.hpp>
 #include <surfleet/planning/lattice_views.hpp>
@@ -219,18 +220,23 @@ class RollingTours {
     return best.outlook();
   }
 
-  /// The nodes that may be reached by who is asked for, in the order of their distance.
+  /// The nodes that may be reached by who is asked for, in the order of their distance; last those
+  /// beyond passages too narrow for the lattice.
   void reach_from(const SurfaceSituation& s, const Search& search, Lattice& lattice) {
     reached_.clear();
-    for (const RobotId id : s.asked)
-      optimistic_.search(s.space().free.free_start(s.robot(id).at.position), lattice,
-                         [&, &nodes = reached_[id]](const auto& site, bool known) {
-                           if (site.distance > search.farthest) return false;
-                           const VoxelIndex& c = site.cell;
-                           if (((c.x() | c.y() | c.z()) & 1) == 0 || site.distance <= search.fine)
-                             nodes.push_back({c, site.position, site.distance, known});
-                           return true;
-                         });
+    for (const RobotId id : s.asked) {
+      const Point3 start = s.space().free.free_start(s.robot(id).at.position);
+      optimistic_.search(
+          start, lattice,
+          [&, &nodes = reached_[id]](const auto& site, bool known) {
+            if (site.distance > search.farthest) return false;
+            const VoxelIndex& c = site.cell;
+            if (((c.x() | c.y() | c.z()) & 1) == 0 || site.distance <= search.fine)
+              nodes.push_back({c, site.position, site.distance, known});
+            return true;
+          },
+          RoadmapWays(s.space().roadmap, start));
+    }
   }
   Sites find_sites(bool hopeful, const Lattice& lattice, std::span<const Waiting> waiting,
                    LatticeViews& views) const {
@@ -258,8 +264,9 @@ class RollingTours {
   /// The view that opens most of the way to a node in unknown space.
   std::optional<Stop> open_way(const SurfaceSituation& s, Lattice& lattice, const Waiting& robot,
                                const VoxelIndex& goal) {
-    optimistic_.search(robot.start, lattice,
-                       [&](const auto& site, bool) { return site.cell != goal; });
+    optimistic_.search(
+        robot.start, lattice, [&](const auto& site, bool) { return site.cell != goal; },
+        RoadmapWays(s.space().roadmap, robot.start));
     std::vector<Point3> way{robot.start};
     for (const VoxelIndex& c : optimistic_.way_to(goal)) {
       if (way.size() == 1 && lattice.is_free(c)) way.clear();

@@ -68,8 +68,9 @@ class WithFrontierViews {
     const double range = situation.space().kind.camera.max_range;
     const FreeSpace& space = situation.space().free;
     FlightLattice<FreeSpace> lattice(space, space.options().bounds, options.spacing_share * range);
-    FrontierViews::Search search(looks_, lattice, std::move(wanted), situation.belief.observed(),
-                                 situation.space().headings, kUsefulRange * range);
+    FrontierViews::Search search(looks_, lattice, situation.space().roadmap, std::move(wanted),
+                                 situation.belief.observed(), situation.space().headings,
+                                 kUsefulRange * range);
     for (const RobotState& robot : situation.team) {
       const auto look =
           search.best(space.free_start(robot.at.position), {.least = least},

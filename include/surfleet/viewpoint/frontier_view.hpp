@@ -14,6 +14,8 @@
 #include <surfleet/mapping/voxel_state_map.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/free_space.hpp>
+#include <surfleet/motion/lazy_prm.hpp>
+#include <surfleet/motion/roadmap_ways.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 #include <surfleet/viewpoint/view_limits.hpp>
 
@@ -81,11 +83,14 @@ class FrontierViews {
   /// One search among the cells wanted now; those that are given up should not be.
   class Search {
    public:
-    /// Looks reach as far as `reach` [m]. All but the cells must outlive it.
-    Search(FrontierViews& looks, FlightLattice<FreeSpace>& lattice, std::vector<Wanted> wanted,
-           const VoxelStateMap& map, const HeadingTable& headings, double reach)
+    /// From the lattice of the roadmap's space, and as far as `reach` [m]. All but the cells must
+    /// outlive it.
+    Search(FrontierViews& looks, FlightLattice<FreeSpace>& lattice, const LazyPrmStar& roadmap,
+           std::vector<Wanted> wanted, const VoxelStateMap& map, const HeadingTable& headings,
+           double reach)
         : looks_(&looks),
           lattice_(&lattice),
+          roadmap_(&roadmap),
           wanted_(std::move(wanted)),
           targets_(targets_of(wanted_, map), MapSight(map), headings, {.max_range = reach}),
           done_(wanted_.size(), 0) {}
@@ -104,7 +109,7 @@ class FrontierViews {
       std::optional<Look> best;
       double best_rate = 0.0;
       const auto all = static_cast<double>(targets_.size());
-      lattice_->search(start, [&](const auto& site) {
+      const auto visit = [&](const auto& site) {
         if (site.distance > limits.farthest || all <= best_rate * (site.distance - limits.saved))
           return false;
         const double metres = cost(site);
@@ -121,7 +126,8 @@ class FrontierViews {
             best = Look{targets_.headings().at(site.position, static_cast<int>(k)), id};
           }
         return true;
-      });
+      };
+      lattice_->search(start, visit, RoadmapWays(*roadmap_, start));
       return best;
     }
     /// The look will be made: what it shows is wanted no more, and is one look nearer to be given
@@ -145,6 +151,7 @@ class FrontierViews {
 
     FrontierViews* looks_;
     FlightLattice<FreeSpace>* lattice_;
+    const LazyPrmStar* roadmap_;
     std::vector<Wanted> wanted_;
     SightTargets<> targets_;
     std::vector<char> done_;
