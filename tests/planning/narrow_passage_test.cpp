@@ -19,16 +19,16 @@
 namespace {
 using namespace surfleet;
 
-constexpr double kVoxel = 0.15;
-const FreeSpaceOptions kBody{.radius = 0.35,
-                             .bounds = Box3(Point3(-3.0, -3.0, 0.0), Point3(3.0, 3.3, 2.4)),
-                             .margin = kVoxel};
+constexpr double kDoorVoxel = 0.15;
+const FreeSpaceOptions kDoorBody{.radius = 0.35,
+                                 .bounds = Box3(Point3(-3.0, -3.0, 0.0), Point3(3.0, 3.3, 2.4)),
+                                 .margin = kDoorVoxel};
 const Point3 kStart(1.5, -1.8, 1.2);
 
 /// A wall of two voxels on y = 0, and in it a doorway of eight voxels from `door` on, or none. The
 /// wall's farther half is known in part alone, which is incomplete from the farther room.
 TsdfMap two_rooms(int door, bool closed = false) {
-  TsdfMap map({.voxel_size = kVoxel});
+  TsdfMap map({.voxel_size = kDoorVoxel});
   map_test::paint(map, {-21, -21, -1}, {20, 22, 16}, [&](const VoxelIndex& v) {
     const bool in_wall = v.y() == 0 || v.y() == 1;
     if ((v.array() == Eigen::Array3i(-21, -21, -1)).any() ||
@@ -40,13 +40,13 @@ TsdfMap two_rooms(int door, bool closed = false) {
   return map;
 }
 PinholeCamera camera() { return PinholeCamera::from_fov(1.5, 1.0, 160, 120, 0.4, 5.0); }
-bool is_beyond(const Point3& p) { return p.y() > 2 * kVoxel; }
+bool is_beyond(const Point3& p) { return p.y() > 2 * kDoorVoxel; }
 
 TEST(what_can_be_seen_beyond_a_doorway_alone_is_seen_wherever_that_is) {
   int missed = 0;  // by the lattice alone
   for (int door = -16; door <= 2; ++door) {
-    StillMission still(two_rooms(door), kBody, camera(),
-                       Box3(Point3(-3.0, 2 * kVoxel, 0.3), Point3(3.0, 0.5, 2.1)));
+    StillMission still(two_rooms(door), kDoorBody, camera(),
+                       Box3(Point3(-3.0, 2 * kDoorVoxel, 0.3), Point3(3.0, 0.5, 2.1)));
     CHECK(!still.work.empty() && still.roadmap.reachable(kStart, {0.0, 1.8, 1.2}));
     FlightLattice<FreeSpace> lattice(still.free, still.free.options().bounds, 0.75);
     bool met = false;
@@ -78,9 +78,9 @@ TEST(what_can_be_seen_beyond_a_doorway_alone_is_seen_wherever_that_is) {
 
 TEST(hope_leads_wherever_what_is_known_does) {
   // A robot in the doorway, as near to its sides as it may be.
-  FreeSpaceOptions body = kBody;
+  FreeSpaceOptions body = kDoorBody;
   body.margin = 0.2;
-  body.unknown_margin = kVoxel;
+  body.unknown_margin = kDoorVoxel;
   const TsdfMap map = two_rooms(-4);
   const VoxelStateMap states(map);
   const FreeSpace space(states, body);
@@ -109,8 +109,8 @@ TEST(hope_leads_wherever_what_is_known_does) {
 }
 
 TEST(nothing_is_hoped_for_behind_a_closed_door) {
-  StillMission still(two_rooms(0, true), kBody, camera(),
-                     Box3(Point3(-3.0, 2 * kVoxel, 0.3), Point3(3.0, 0.5, 2.1)));
+  StillMission still(two_rooms(0, true), kDoorBody, camera(),
+                     Box3(Point3(-3.0, 2 * kDoorVoxel, 0.3), Point3(3.0, 0.5, 2.1)));
   const std::vector<Teammate> robots{{{kStart, 0.0}, true, {}}};
   const Plan plan = RollingTours()(still.situation(robots));
   CHECK(plan.nothing() && !still.work.empty() && plan.impossible.size() == still.work.size());
@@ -126,7 +126,7 @@ TEST(tours_of_known_surface_lead_through_doorways_that_a_lattice_misses) {
   const std::vector<double> areas(points.size(), 1.0);
   int missed = 0;
   for (int door = -16; door <= 2; ++door) {
-    StillMission still(two_rooms(door), kBody, camera(), kBody.bounds);
+    StillMission still(two_rooms(door), kDoorBody, camera(), kDoorBody.bounds);
     FlightLattice<FreeSpace> lattice(still.free, still.free.options().bounds, 0.75);
     bool met = false;
     lattice.search(kStart, [&](const auto& site) { return !(met = is_beyond(site.position)); });
