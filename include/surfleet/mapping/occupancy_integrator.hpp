@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/types.hpp>

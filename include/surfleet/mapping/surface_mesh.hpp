@@ -235,8 +235,8 @@ inline TriangleMesh extract_surface(const TsdfMap& map, const PointCloud& points
     parallel_for(
         points.size(), options.threads,
         [&](std::size_t i) {
-          if (!cells.near(points.points[i], points.normals[i].cast<double>(),
-                          options.held_within * h))
+          if (wanted[i] == 0 && !cells.near(points.points[i], points.normals[i].cast<double>(),
+                                            options.held_within * h))
             wanted[i] = 1;
         },
         256);

@@ -227,23 +227,27 @@ class FlightLattice {
       const double distance = ways(position(cell_of(i)));
       if (!std::isfinite(distance)) continue;
       found.emplace_back(i, distance);
-      joined[i] = 1;
-      for (std::vector<std::size_t> part{i}; !part.empty();) {
-        const std::size_t from = part.back();
-        const VoxelIndex cell = cell_of(from);
-        part.pop_back();
-        for (const Step& step : steps_) {
-          const VoxelIndex c = cell + step.cells;
-          const std::size_t to = from + step.offset;
-          if (!contains(c) || joined[to] != 0 || !is_free(c, to) ||
-              !is_free_edge(cell, from, c, step.direction))
-            continue;
-          joined[to] = 1;
-          part.push_back(to);
-        }
-      }
+      join(i, joined);
     }
     return found;
+  }
+  /// Marks all that the lattice joins to a node.
+  void join(std::size_t first, std::vector<std::uint8_t>& joined) {
+    joined[first] = 1;
+    for (std::vector<std::size_t> part{first}; !part.empty();) {
+      const std::size_t from = part.back();
+      const VoxelIndex cell = cell_of(from);
+      part.pop_back();
+      for (const Step& step : steps_) {
+        const VoxelIndex c = cell + step.cells;
+        const std::size_t to = from + step.offset;
+        if (!contains(c) || joined[to] != 0 || !is_free(c, to) ||
+            !is_free_edge(cell, from, c, step.direction))
+          continue;
+        joined[to] = 1;
+        part.push_back(to);
+      }
+    }
   }
   bool contains(const VoxelIndex& c) const {
     return (c.array() >= 0).all() && (c.array() < count_.array()).all();

@@ -104,7 +104,27 @@ class LazyPrmStar {
   /// starts by leaving for the nearest free place; from a place too narrow for the voxel lattice,
   /// straight for one that is not.
   std::optional<Path> query(const Point3& a, const Point3& b) const {
-    return query(a, reach_from(a), b);
+    const ReachFrom reach = reach_from(a);
+    auto path = query(reach, b);
+    if (!path || reach.start() == a) return path;
+    path->points.insert(path->points.begin(), a);
+    return Path(std::move(path->points));
+  }
+  /// The same from where `reach` starts, for many ends.
+  std::optional<Path> query(const ReachFrom& reach, const Point3& b) const {
+    if (!space_->is_free(b)) return std::nullopt;
+    const auto visible = [this](const Point3& p, const Point3& q) {
+      return space_->is_free_segment(p, q);
+    };
+    const Point3& start = reach.start();
+    if (visible(start, b)) return Path({start, b});
+    const auto gate = reach.gate(b);
+    if (!gate) return std::nullopt;
+    auto rough = search(*gate, b);
+    if (rough.empty()) rough = lattice_path(reachable_, *gate, b);
+    if (rough.empty()) return std::nullopt;
+    if (*gate != start) rough.insert(rough.begin(), start);
+    return shortcut(std::move(rough), visible, options_.shortcut);
   }
 
   /// Whether a path exists.
@@ -165,7 +185,7 @@ class LazyPrmStar {
     }
     for (std::size_t i = 0; i < targets.size(); ++i)
       if (!std::isfinite(result[i]) && reach.gate(targets[i]))
-        if (const auto path = query(start, reach, targets[i])) result[i] = lead + path->length;
+        if (const auto path = query(reach, targets[i])) result[i] = lead + path->length;
     return result;
   }
 
@@ -194,30 +214,6 @@ class LazyPrmStar {
   };
   using Attachment = std::vector<Source>;
   static constexpr double kBlocked = std::numeric_limits<double>::infinity();
-
-  /// `reach` is that from `a`, of now.
-  std::optional<Path> query(const Point3& a, const ReachFrom& reach, const Point3& b) const {
-    if (!space_->is_free(b)) return std::nullopt;
-    const auto visible = [this](const Point3& p, const Point3& q) {
-      return space_->is_free_segment(p, q);
-    };
-    const Point3& start = reach.start();
-    Path path;
-    if (visible(start, b)) {
-      path = Path({start, b});
-    } else {
-      const auto gate = reach.gate(b);
-      if (!gate) return std::nullopt;
-      auto rough = search(*gate, b);
-      if (rough.empty()) rough = lattice_path(reachable_, *gate, b);
-      if (rough.empty()) return std::nullopt;
-      if (*gate != start) rough.insert(rough.begin(), start);
-      path = shortcut(std::move(rough), visible, options_.shortcut);
-    }
-    if (start == a) return path;
-    path.points.insert(path.points.begin(), a);
-    return Path(std::move(path.points));
-  }
 
   static std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
   template <typename Fn>

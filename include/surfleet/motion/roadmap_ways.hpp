@@ -4,6 +4,7 @@
 #pragma once
 
 #include <limits>
+#include <utility>
 
 #include <surfleet/core/types.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
@@ -14,12 +15,12 @@ namespace surfleet {
 /// beyond passages too narrow for it. The roadmap must outlive it; holds until the space changes.
 class RoadmapWays {
  public:
-  RoadmapWays(const LazyPrmStar& roadmap, const Point3& start)
-      : roadmap_(&roadmap), reach_(roadmap.reach_from(start)) {}
+  RoadmapWays(const LazyPrmStar& roadmap, ReachFrom reach)
+      : roadmap_(&roadmap), reach_(std::move(reach)) {}
 
-  /// Infinite where there is none, which is told in O(1) [m].
+  /// Infinite where there is none, which is told in O(1) of what is not free [m].
   double operator()(const Point3& to) const {
-    const auto path = reach_(to) ? roadmap_->query(reach_.start(), to) : std::nullopt;
+    const auto path = roadmap_->query(reach_, to);
     return path ? path->length : std::numeric_limits<double>::infinity();
   }
 

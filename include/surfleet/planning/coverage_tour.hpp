@@ -187,7 +187,7 @@ class CoverageTourPlanner {
       sites_.push_back(site.position);
       return true;
     };
-    lattice.search(start_.position, visit, RoadmapWays(roadmap_, start_.position));
+    lattice.search(start_.position, visit, RoadmapWays(roadmap_, reach));
   }
 
   /// Samples seen from the stops and on the way, as counts; the total area seen.

@@ -235,7 +235,7 @@ class RollingTours {
               nodes.push_back({c, site.position, site.distance, known});
             return true;
           },
-          RoadmapWays(s.space().roadmap, start));
+          RoadmapWays(s.space().roadmap, s.space().roadmap.reach_from(start)));
     }
   }
   Sites find_sites(bool hopeful, const Lattice& lattice, std::span<const Waiting> waiting,
@@ -266,7 +266,7 @@ class RollingTours {
                                const VoxelIndex& goal) {
     optimistic_.search(
         robot.start, lattice, [&](const auto& site, bool) { return site.cell != goal; },
-        RoadmapWays(s.space().roadmap, robot.start));
+        RoadmapWays(s.space().roadmap, robot.reach));
     std::vector<Point3> way{robot.start};
     for (const VoxelIndex& c : optimistic_.way_to(goal)) {
       if (way.size() == 1 && lattice.is_free(c)) way.clear();

@@ -127,7 +127,7 @@ class FrontierViews {
           }
         return true;
       };
-      lattice_->search(start, visit, RoadmapWays(*roadmap_, start));
+      lattice_->search(start, visit, RoadmapWays(*roadmap_, roadmap_->reach_from(start)));
       return best;
     }
     /// The look will be made: what it shows is wanted no more, and is one look nearer to be given
