@@ -23,6 +23,7 @@
 #include <surfleet/geometry/matching.hpp>
 #include <surfleet/geometry/mesh_adjacency.hpp>
 #include <surfleet/geometry/mesh_borders.hpp>
+#include <surfleet/geometry/mesh_clipping.hpp>
 #include <surfleet/geometry/mesh_io.hpp>
 #include <surfleet/geometry/mesh_primitives.hpp>
 #include <surfleet/geometry/pinhole_camera.hpp>

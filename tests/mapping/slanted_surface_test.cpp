@@ -81,6 +81,17 @@ std::vector<Eigen::Vector3d> slants() {
 }
 }  // namespace
 
+TEST(sheets_end_at_their_rims) {
+  for (const double h : {0.15, 0.3})
+    for (const Eigen::Vector3d& n : slants()) {
+      const Pose T = slab_frame(n, Point3(0.1, 0.2, 0.3) * h + 0.3 * h * n);
+      const TriangleMesh mesh = extract_surface(seen_slab(T, 0.0, 12, h), {.min_weight = 0.3});
+      CHECK_NEAR(mesh.area() / (8.0 * kHalf * kHalf), 1.0, 0.12);
+      for (const Point3& v : mesh.vertices)
+        CHECK((T.inverse() * v).head<2>().cwiseAbs().maxCoeff() < kHalf + 0.6 * h);
+    }
+}
+
 TEST(sheets_are_whole_at_any_slant) {
   constexpr double h = 0.15;
   for (const Eigen::Vector3d& n : slants())

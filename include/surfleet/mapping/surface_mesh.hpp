@@ -16,6 +16,7 @@
 
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/geometry/kd_tree.hpp>
+#include <surfleet/geometry/mesh_clipping.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
 #include <surfleet/geometry/triangle_queries.hpp>
 #include <surfleet/mapping/mesh_extractor.hpp>
@@ -107,7 +108,7 @@ class PatchMesher {
     const Eigen::Vector3d axis = (side & 1) != 0 ? Eigen::Vector3d(-Eigen::Vector3d::Unit(side / 2))
                                                  : Eigen::Vector3d(Eigen::Vector3d::Unit(side / 2));
     std::vector<Point3> places, targets;
-    std::vector<Eigen::Vector3d> normals, target_normals;
+    std::vector<Eigen::Vector3d> normals;
     for (std::size_t i = 0; i < points_->size(); ++i) {
       const Eigen::Vector3d n = points_->normals[i].cast<double>();
       if (n.dot(axis) < kBeside) continue;
@@ -116,29 +117,41 @@ class PatchMesher {
       // Those between two directions serve both: there the triangle's own normal decides.
       if ((*wanted_)[i] == 0 || n.dot(axis) < n.cwiseAbs().maxCoeff() - kShared) continue;
       targets.push_back(points_->points[i]);
-      target_normals.push_back(n);
     }
     if (targets.empty()) return {};
     const TsdfMap field = field_around(targets, places, normals);
     const TriangleMesh all = extract_mesh(field, {.normals = false, .threads = options_.threads});
-    const KdTree tree(targets);
-    std::vector<std::uint8_t> keep(all.triangles.size(), 0);
-    const double reach = options_.patch_radius * size_;
+    const TriangleMesh facing = selected(all, [&](std::size_t t) {
+      const Eigen::Vector3d n = all.area_vector(t);
+      return n.dot(axis) >= n.cwiseAbs().maxCoeff() * (1.0 - 1e-9);
+    });
+    const KdTree wanted(targets), around(places);
+    const double reach = options_.patch_radius * size_, support = options_.support * size_;
+    std::vector<double> inside(facing.vertices.size());
     parallel_for(
-        keep.size(), options_.threads,
-        [&](std::size_t t) {
-          const Eigen::Vector3d n = all.area_vector(t);
-          if (n.dot(axis) < n.cwiseAbs().maxCoeff() * (1.0 - 1e-9)) return;
-          tree.for_each_within(all.centroid(t), reach, [&](const Neighbor& near) {
-            if (target_normals[static_cast<std::size_t>(near.index)].dot(n) > 0.0) keep[t] = 1;
+        inside.size(), options_.threads,
+        [&](std::size_t i) {
+          const Point3& v = facing.vertices[i];
+          const auto near = wanted.nearest(v, 2.0 * reach);
+          Point3 sum = Point3::Zero();
+          double count = 0.0;
+          around.for_each_within(v, support, [&](const Neighbor& n) {
+            sum += places[static_cast<std::size_t>(n.index)];
+            count += 1.0;
           });
+          inside[i] =
+              near ? std::min(reach - near->distance(), kRim * support - (sum / count - v).norm())
+                   : -reach;
         },
         256);
-    return selected(all, [&](std::size_t t) { return keep[t] != 0; });
+    return clipped(facing, inside);
   }
 
  private:
-  static constexpr double kBeside = 0.3;   ///< Least cosine of normals that belong to a direction.
+  static constexpr double kBeside = 0.3;  ///< Least cosine of normals that belong to a direction.
+  /// A patch ends where the mean of the points around is this far away, of the support: that of a
+  /// half disc from the middle of its straight side, 4/3π.
+  static constexpr double kRim = 0.4244;
   static constexpr double kShared = 0.25;  ///< Within this of the greatest part a normal is shared.
 
   /// Signed distance at the voxel centres around the targets: the mean of the distances to the
@@ -197,8 +210,8 @@ class PatchMesher {
 /// Where the zero of the distances runs along the hits, it is the surface. Triangles of the
 /// distances that no hits back are left out, and so are those of thin bodies, whose sides tear each
 /// other's distances. Points of the hits that the distances do not hold get patches: the zero of
-/// the mean distance to the tangent planes of the points of one side, cut off `patch_radius` from
-/// the last of them. Both sides of a sheet are there, and a rim ends between them, open. A map
+/// the mean distance to the tangent planes of the points of one side, cut off where the points end,
+/// `patch_radius` from the last of them at the most. Both sides of a sheet are there, and a rim ends between them, open. A map
 /// without hits gives the mesh of its distances.
 /// `points` are those of `extract_points` at the same `min_weight`.
 /// O(voxels near the surface + hits · neighbours).
