@@ -40,8 +40,26 @@ auto slab(const Pose& T_world_slab, double thickness) {
     return enter <= leave && enter > 0.0 ? std::optional(enter) : std::nullopt;
   };
 }
-/// What `views` images from each side of a slab leave behind.
-TsdfMap seen_slab(const Pose& T_world_slab, double thickness, int views, double voxel_size) {
+/// A slab whose lower face is slanted: from nothing on one side to `thickness` on the other.
+auto wedge(const Pose& T_world_slab, double thickness) {
+  const Pose T = T_world_slab.inverse();
+  const auto whole = slab(T_world_slab, thickness);
+  return [=](const Point3& o, const Eigen::Vector3d& d) -> std::optional<double> {
+    const Eigen::Vector3d below(-0.5 * thickness / kHalf, 0.0, -1.0);  // below · p < 0 in the body
+    const double from = below.dot(T * o), along = below.dot(T.linear() * d);
+    const auto hit = whole(o, d);
+    if (!hit || from + *hit * along <= 0.0) return hit;
+    const double cut = -from / along;
+    const Point3 p = T * Point3(o + cut * d);
+    const bool met = cut > *hit && p.head<2>().cwiseAbs().maxCoeff() <= kHalf &&
+                     std::abs(p.z()) <= 0.5 * thickness;
+    return met ? std::optional(cut) : std::nullopt;
+  };
+}
+/// What `views` images from each side leave behind.
+template <typename Body>
+TsdfMap seen_from_both_sides(const Body& body, const Pose& T_world_slab, int views,
+                             double voxel_size) {
   TsdfMap map({.voxel_size = voxel_size});
   TsdfIntegrator integrate({.truncation = 3.0 * voxel_size}, drop_off_by_voxels(voxel_size));
   for (int i = 0; i < 2 * views; ++i) {
@@ -49,17 +67,19 @@ TsdfMap seen_slab(const Pose& T_world_slab, double thickness, int views, double 
     const Eigen::Vector3d to(0.5 * std::cos(a), 0.5 * std::sin(a), 0.85 * side);
     const Point3 eye = T_world_slab * Point3(3.2 * to);
     const Pose T = looking(eye, -(T_world_slab.linear() * to));
-    integrate(render(sheet_camera(), T, slab(T_world_slab, thickness)), sheet_camera(), T, map);
+    integrate(render(sheet_camera(), T, body), sheet_camera(), T, map);
   }
   return map;
 }
-/// The share of both faces, a voxel or more from the rim, over which there is no mesh of their
-/// side.
+TsdfMap seen_slab(const Pose& T_world_slab, double thickness, int views, double voxel_size) {
+  return seen_from_both_sides(slab(T_world_slab, thickness), T_world_slab, views, voxel_size);
+}
+/// The share of faces, a voxel or more from the rim, over which there is no mesh of their side.
 double open_share(const TriangleMesh& mesh, const Pose& T_world_slab, double thickness,
-                  double voxel_size) {
+                  double voxel_size, std::vector<double> sides = {1.0, -1.0}) {
   const double step = voxel_size / 5.0;
   int open = 0, all = 0;
-  for (const double side : {1.0, -1.0}) {
+  for (const double side : sides) {
     const Eigen::Vector3d n = side * T_world_slab.linear().col(2);
     const Bvh face(selected(mesh, [&](std::size_t t) { return mesh.area_vector(t).dot(n) > 0.0; }));
     // Off the lattice, so that no ray meets an edge of the mesh.
@@ -118,4 +138,14 @@ TEST(slanted_faces_of_bodies_are_as_whole_as_others) {
     const TriangleMesh mesh = extract_surface(seen_slab(T, 6.0 * h, 6, h), {.min_weight = 0.3});
     CHECK(open_share(mesh, T, 6.0 * h, h) < 0.005);
   }
+}
+
+TEST(faces_are_whole_where_a_body_becomes_thin) {
+  for (const double h : {0.15, 0.3})
+    for (const Eigen::Vector3d& n : slants()) {
+      const Pose T = slab_frame(n, Point3(0.1, 0.2, 0.3) * h + 0.2 * h * n);
+      const TriangleMesh mesh =
+          extract_surface(seen_from_both_sides(wedge(T, 3.0 * h), T, 12, h), {.min_weight = 0.3});
+      CHECK(open_share(mesh, T, 3.0 * h, h, {1.0}) < 0.005);
+    }
 }

@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -35,8 +34,9 @@ struct SurfaceMeshOptions {
   /// A body is thin where its sides are nearer to each other than this: there may be no voxel
   /// centre between them, and what is seen of one tears the distances of the other [voxels].
   double thin_within = 1.0;
-  /// How far from a point its patch reaches: from the middle of a voxel to its corners [voxels].
-  double patch_radius = 0.5 * std::numbers::sqrt3;
+  /// How far from a point its patch reaches where there are others around it: over the triangles of
+  /// the distances that are left out beside it [voxels].
+  double patch_radius = 1.5;
   /// Radius of the neighbourhood that the signed distance of a patch is averaged over [voxels].
   double support = 1.75;
   int threads = 1;  ///< The result is the same for any number.
@@ -211,10 +211,9 @@ class PatchMesher {
 /// distances that no hits back are left out, and so are those of thin bodies, whose sides tear each
 /// other's distances. Points of the hits that the distances do not hold get patches: the zero of
 /// the mean distance to the tangent planes of the points of one side, cut off where the points end,
-/// `patch_radius` from the last of them at the most. Both sides of a sheet are there, and a rim ends between them, open. A map
-/// without hits gives the mesh of its distances.
-/// `points` are those of `extract_points` at the same `min_weight`.
-/// O(voxels near the surface + hits · neighbours).
+/// `patch_radius` from the last of them at the most. Both sides of a sheet are there, and a rim
+/// ends between them, open. A map without hits gives the mesh of its distances. `points` are those
+/// of `extract_points` at the same `min_weight`. O(voxels near the surface + hits · neighbours).
 inline TriangleMesh extract_surface(const TsdfMap& map, const PointCloud& points,
                                     const SurfaceMeshOptions& options) {
   TriangleMesh mesh = extract_mesh(
