@@ -189,7 +189,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   o.belief.observed_share = planner_by_name(s.planner).observed_share();
   o.belief.tsdf.truncation = s.truncation.value_or(3.0 * s.voxel);
   o.belief.integrator = s.integrator();
-  o.belief.looks.max_views = s.max_views;
+  o.belief.ledger.max_views = s.max_views;
   o.belief.region = site.scene.region;
   o.belief.seed = s.seed;
   o.agent.image_period = 1.0 / s.rate;

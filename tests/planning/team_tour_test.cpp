@@ -469,7 +469,7 @@ TEST(views_gain_what_is_in_sight_and_not_taken_however_much_is_enough) {
   }
   const SightTargets<> targets(list, MapSight(states), headings);
   MapSight through(states);
-  through.look_through_unknown();
+  through.see_through_unknown();
   const SightTargets<> hoped(list, through, headings);
   const ViewsInVain vain;
   LatticeViews views(targets, lattice, headings, vain, 0.7);

@@ -113,12 +113,12 @@ TEST(what_one_robot_looked_at_in_vain_no_other_looks_at) {
     const DistributedResult r = simulation.run();
     CHECK(r.mission.complete && r.maps_equal);
     std::map<VoxelKey, std::set<RobotId>> who_looked;
-    ViewLedger all(o.belief.looks);
+    ViewLedger all(o.belief.ledger);
     const auto& patches = simulation.robot(0).patches();
     patches.held().for_each_beyond({}, [&](const PatchKey& key) {
       const ViewNotes notes = patches.patch(key).notes;
       all.add(notes);
-      for (const auto& look : notes.looks) who_looked[look.place].insert(key.robot);
+      for (const auto& look : notes.views) who_looked[look.place].insert(key.robot);
       return true;
     });
     const auto again = std::count_if(who_looked.begin(), who_looked.end(),

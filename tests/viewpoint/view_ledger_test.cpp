@@ -59,7 +59,7 @@ TEST(equal_notes_are_equal_ledgers_in_any_order_and_after_removal) {
     for (int i = 0; i < 50; ++i) {
       const VoxelIndex v = random_voxel(random);
       const Eigen::Vector3d d = random_direction(random);
-      CHECK(part.reason(v) == rest.reason(v) && part.looks(v) == rest.looks(v));
+      CHECK(part.reason(v) == rest.reason(v) && part.views_in_vain(v) == rest.views_in_vain(v));
       CHECK(part.promises(v, d) == rest.promises(v, d));
     }
   }
@@ -74,9 +74,9 @@ TEST(what_others_looked_at_in_vain_is_given_up_here) {
   b.add(first);
   CHECK(!b.has_news());  // theirs is theirs to tell
   CHECK(!b.fresh(v) && !b.given_up(v) && !b.promises(v, up) && b.promises(v, side));
-  // Nearly the same look is none more, whoever takes it.
+  // Nearly the same view is none more, whichever robot takes it.
   b.viewed_in_vain(v, (up + 0.05 * side).normalized());
-  CHECK(!b.has_news() && b.looks(v) == 1);
+  CHECK(!b.has_news() && b.views_in_vain(v) == 1);
   ViewLedger c({.max_views = 2});
   c.viewed_in_vain(v, (up + 0.05 * side).normalized());
   b.add(c.take_news());

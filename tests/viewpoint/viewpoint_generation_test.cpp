@@ -271,7 +271,7 @@ TEST(views_come_from_sides_that_promise_something) {
   const auto elements = elements_of(map);
   ViewpointOptions options{.distance = 4.0};
   options.known_eye = false;
-  // A look along n̄_v was in vain for all of them.
+  // A view along n̄_v was in vain for all of them.
   const auto promises = [](const IncompleteElement& e, const Eigen::Vector3d& direction) {
     return e.direction.dot(direction) < std::cos(radians(30));
   };

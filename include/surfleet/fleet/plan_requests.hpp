@@ -61,7 +61,7 @@ class PlanRequests {
   /// Whether, of this very map, it found nothing, or time after time nothing that can be reached.
   bool exhausted(const SurfaceBelief& belief) const {
     return up_to_date(belief) &&
-           (nothing_planned_ || vain_plans_ > belief.options().looks.max_failures);
+           (nothing_planned_ || vain_plans_ > belief.options().ledger.max_failures);
   }
 
   /// What the routes that the last plan left out, as they did not pay, would have brought; nothing

@@ -134,7 +134,7 @@ class LatticeViews {
   template <typename StillWanted>
   void cast(const Site& site, View& view, ViewBits wanted, StillWanted&& still_wanted) const {
     MapSight sees = targets_->sight();
-    if (!site.known) sees.look_through_unknown();
+    if (!site.known) sees.see_through_unknown();
     const Point3 position = lattice_->position(site.cell);
     std::size_t left = 0;
     for (std::size_t k = 0; k < view.seen.size(); ++k) {

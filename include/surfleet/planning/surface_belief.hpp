@@ -37,9 +37,9 @@ struct SurfaceBeliefOptions {
   /// Folds what is seen into the map, with the options above in place of its own; nothing: the
   /// projective one, whose weight 1/z² drops off behind the surface (`drop_off_by_voxels`).
   std::optional<AnyIntegrator> integrator{};
-  ViewLedgerOptions looks{};  ///< When an element is given up.
-  Box3 region;                ///< Where surface is to be reconstructed [m].
-  std::uint64_t seed = 1;     ///< Of the roadmaps.
+  ViewLedgerOptions ledger{};  ///< When an element is given up.
+  Box3 region;                 ///< Where surface is to be reconstructed [m].
+  std::uint64_t seed = 1;      ///< Of the roadmaps.
 };
 
 /// Space and views as robots of one kind have them.
@@ -107,7 +107,7 @@ class SurfaceBelief {
         flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
                         .occupied_below = 0.5 * options_.voxel_size}),
         incomplete_({.known_weight = options_.known_weight, .region = options_.region}),
-        ledger_(options_.looks) {
+        ledger_(options_.ledger) {
     require(!kinds.empty(), "kinds of robots: expected at least one");
     require(map_.voxel_size() == options_.voxel_size,
             "map: expected voxels of " + std::to_string(options_.voxel_size) + " m");
