@@ -28,7 +28,7 @@ struct MyRobot {
     yaw = heading;
   }
   void watch(double /*heading*/) {}  // this one turns at the end of its path only
-  std::vector<Point3> way_onto(std::span<const Point3> way) const {
+  std::vector<Point3> path_onto(std::span<const Point3> way) const {
     return {way.begin(), way.end()};
   }
   void stop() { path.clear(); }

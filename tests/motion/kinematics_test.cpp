@@ -145,7 +145,7 @@ TEST(who_turns_under_way_goes_straight_on_as_little_as_it_takes) {
     const Point3 here = robot.configuration().position;
     const double turn = radians(degrees);
     const Point3 goal = here + 2.0 * Point3(std::cos(turn), 0.0, std::sin(turn));
-    const std::vector<Point3> way = robot.way_onto(std::vector<Point3>{here, goal});
+    const std::vector<Point3> way = robot.path_onto(std::vector<Point3>{here, goal});
     CHECK(way.size() == 3 && way.front() == here && way.back() == goal);
     const double leg = (way[1] - here).norm();
     CHECK_NEAR((way[1] - here).x(), leg, 1e-12);

@@ -109,7 +109,7 @@ TEST(lattice_search_goes_on_beyond_passages_too_narrow_for_it) {
   CHECK(met == (std::array<std::size_t, 4>{60, 60, 60, 0}));
   CHECK(asked == (std::array<std::size_t, 4>{0, 1, 1, 60}));
   CHECK(nearest[1] == 30.0 && nearest[2] == 7.5);
-  const std::vector<VoxelIndex> path = lattice.way_to(end);
+  const std::vector<VoxelIndex> path = lattice.path_to(end);
   CHECK(path.front() == lattice.nearest({5, 1, 1}) && path.back() == end);
   // Whoever has enough is not led on.
   std::size_t visits = 0;

@@ -345,7 +345,7 @@ TEST(an_optimistic_lattice_leads_through_what_is_not_known_to_be_blocked) {
   };
   search();
   CHECK(seen == known.size() && below > 0 && above > 2 * below);
-  const std::vector<VoxelIndex> way = hope.way_to(top);
+  const std::vector<VoxelIndex> way = hope.path_to(top);
   CHECK(way.back() == top && (known.position(way.front()) - start).norm() < 1.5);
   double up = 0.0;
   Point3 at = start;

@@ -32,7 +32,9 @@ struct FixedBody {
     drone->follow(path, yaw, watch);
   }
   void watch(double yaw) { drone->watch(yaw); }
-  std::vector<Point3> way_onto(std::span<const Point3> path) const { return drone->way_onto(path); }
+  std::vector<Point3> path_onto(std::span<const Point3> path) const {
+    return drone->path_onto(path);
+  }
   void stop() { drone->stop(); }
   void resume() { drone->resume(); }
   std::vector<Point3> remaining() const { return drone->remaining(); }

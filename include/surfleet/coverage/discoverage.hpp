@@ -205,7 +205,7 @@ class DisCoverage {
       if (mine.empty()) mine = edge;
       own.target = choose(i, mine, paths[i]);
       own.way.clear();
-      if (own.target >= 0) own.way = way_to(i, own.target, paths[i]);
+      if (own.target >= 0) own.way = path_to(i, own.target, paths[i]);
     }
   }
   /// The star-shaped image of a frontier cell, as direction and distance.
@@ -258,8 +258,8 @@ class DisCoverage {
     return target;
   }
   /// From the robot to a cell: the path over cells, pulled straight where the ground is explored.
-  std::vector<Point2> way_to(std::size_t robot, std::int32_t target,
-                             const ShortestPaths& paths) const {
+  std::vector<Point2> path_to(std::size_t robot, std::int32_t target,
+                              const ShortestPaths& paths) const {
     const std::vector<std::int32_t> cells = paths.path(target);
     std::vector<Point2> way;
     Point2 at = robots_[robot];

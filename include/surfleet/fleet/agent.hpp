@@ -297,7 +297,7 @@ class Agent {
         route_.erase(route_.begin());
         continue;
       }
-      if (const auto path = way_to(stop.configuration.position)) {
+      if (const auto path = path_to(stop.configuration.position)) {
         if (affords(*path, time)) return set_off(*path);
         too_far = true;
       } else {
@@ -312,7 +312,7 @@ class Agent {
       rest(time);
   }
   /// Idle mates give way to who has work; among those that go home nobody would.
-  std::optional<Path> way_to(const Point3& goal) const {
+  std::optional<Path> path_to(const Point3& goal) const {
     std::vector<Point3> standing;
     for (const auto& [id, mate] : heard_)
       if (retired_ && polyline_length(mate.path) < kStanding) standing.push_back(mate.position);
@@ -340,7 +340,7 @@ class Agent {
     if (path->points.size() > 1 && body_->velocity().dot(path->points[1] - path->points[0]) < 0.0)
       return false;
     // The turn leads off the path as far as the robot needs to come round.
-    const std::vector<Point3> way = body_->way_onto(path->points);
+    const std::vector<Point3> way = body_->path_onto(path->points);
     for (std::size_t i = 1; i < std::min<std::size_t>(way.size(), 3); ++i)
       if (!space().free.is_free_segment(way[i - 1], way[i])) return false;
     set_off(*path);

@@ -24,7 +24,7 @@
 #include <surfleet/geometry/ray_caster.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
-#include <surfleet/motion/roadmap_ways.hpp>
+#include <surfleet/motion/roadmap_passages.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
@@ -187,7 +187,7 @@ class CoverageTourPlanner {
       sites_.push_back(site.position);
       return true;
     };
-    lattice.search(start_.position, visit, RoadmapWays(roadmap_, reach));
+    lattice.search(start_.position, visit, RoadmapPassages(roadmap_, reach));
   }
 
   /// Samples seen from the stops and on the way, as counts; the total area seen.

@@ -18,7 +18,7 @@
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
-#include <surfleet/motion/roadmap_ways.hpp>
+#include <surfleet/motion/roadmap_passages.hpp>
 #include <surfleet/motion/string_pulling.hpp>
 #include <surfleet/planning/interest.hpp>
 #include <surfleet/planning/lattice_views.hpp>
@@ -235,7 +235,7 @@ class RollingTours {
               nodes.push_back({c, site.position, site.distance, known});
             return true;
           },
-          RoadmapWays(s.space().roadmap, s.space().roadmap.reach_from(start)));
+          RoadmapPassages(s.space().roadmap, s.space().roadmap.reach_from(start)));
     }
   }
   Sites find_sites(bool hopeful, const Lattice& lattice, std::span<const Waiting> waiting,
@@ -266,9 +266,9 @@ class RollingTours {
                                const VoxelIndex& goal) {
     optimistic_.search(
         robot.start, lattice, [&](const auto& site, bool) { return site.cell != goal; },
-        RoadmapWays(s.space().roadmap, robot.reach));
+        RoadmapPassages(s.space().roadmap, robot.reach));
     std::vector<Point3> way{robot.start};
-    for (const VoxelIndex& c : optimistic_.way_to(goal)) {
+    for (const VoxelIndex& c : optimistic_.path_to(goal)) {
       if (way.size() == 1 && lattice.is_free(c)) way.clear();
       way.push_back(lattice.position(c));
     }

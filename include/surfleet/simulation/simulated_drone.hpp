@@ -53,8 +53,8 @@ class SimulatedDrone {
   }
   void watch(double yaw) { watch_yaw_ = yaw; }
   void tilt(double pitch) { goal_pitch_ = pitch; }
-  std::vector<Point3> way_onto(std::span<const Point3> path) const {
-    return motion_.way_onto(path);
+  std::vector<Point3> path_onto(std::span<const Point3> path) const {
+    return motion_.path_onto(path);
   }
   void stop() { motion_.stop(); }
   void resume() { motion_.resume(); }

@@ -16,7 +16,7 @@
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
-#include <surfleet/motion/roadmap_ways.hpp>
+#include <surfleet/motion/roadmap_passages.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 #include <surfleet/viewpoint/view_limits.hpp>
 
@@ -128,7 +128,7 @@ class FrontierViews {
           }
         return true;
       };
-      lattice_->search(start, visit, RoadmapWays(*roadmap_, roadmap_->reach_from(start)));
+      lattice_->search(start, visit, RoadmapPassages(*roadmap_, roadmap_->reach_from(start)));
       return best;
     }
     /// The view will be taken: what it shows is wanted no more, and is one view nearer to being
