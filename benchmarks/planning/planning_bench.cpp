@@ -91,7 +91,7 @@ BENCHMARK(SightTargets_InView)->ArgName("by_depth")->Arg(0)->Arg(1);
 struct TableViews {
   std::vector<double> gain;
   double most(std::size_t s) const { return gain[s]; }
-  double look(std::size_t s, double /*enough*/, GainByView& by_view) const {
+  double evaluate(std::size_t s, double /*enough*/, GainByView& by_view) const {
     by_view.fill(gain[s]);
     return gain[s];
   }

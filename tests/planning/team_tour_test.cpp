@@ -41,7 +41,7 @@ struct ListedViews {
     for (std::size_t k = 0; k < kHeadings; ++k) most = std::max(most, gain(s, k));
     return loose ? 1.5 * most + 0.1 : most;
   }
-  double look(std::size_t s, double enough, GainByView& by_view) {
+  double evaluate(std::size_t s, double enough, GainByView& by_view) {
     for (std::size_t k = 0; k < kHeadings; ++k) by_view[k] = gain(s, k);
     const double most = by_view.most();
     if (loose && most < enough) {
@@ -490,7 +490,7 @@ TEST(views_gain_what_is_in_sight_and_not_taken_however_much_is_enough) {
     const double best = truth.most();
     CHECK(views.most(s) >= best - 1e-9);
     const double enough = random.uniform(0.0, 1.5) * best;
-    const double most = views.look(s, enough, gain);
+    const double most = views.evaluate(s, enough, gain);
     CHECK(most >= best - 1e-9);
     if (most <= enough) {
       CHECK(best <= enough + 1e-9);
@@ -575,11 +575,11 @@ TEST(the_beginning_of_a_route_that_pays_best_counts) {
       way += w;
       most = std::max(most, gain / way);
     }
-    CHECK_NEAR(best.outlook().gain / best.outlook().way, most, 1e-12);
+    CHECK_NEAR(best.outlook().gain / best.outlook().distance, most, 1e-12);
   }
   BestBeginning at_once;  // what takes no flight pays more than anything that does
   at_once.add(1e-3, 0.0);
   at_once.add(1e3, 1.0);
-  CHECK(at_once.outlook().way == 0.0);
+  CHECK(at_once.outlook().distance == 0.0);
 }
 }  // namespace

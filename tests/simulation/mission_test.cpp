@@ -161,11 +161,11 @@ TEST(looks_at_space_widen_what_is_known_and_come_to_an_end) {
   const MissionOptions o = box_world::options(world);
   Simulation<NoPlan, World> still(o, world, box_world::starts(2));
   still.run();
-  WithFrontierViews<NoPlan> looks(NoPlan{}, {.distance = 2.0});
-  AnyMission mission(o, world, box_world::starts(2), std::ref(looks));
+  WithFrontierViews<NoPlan> views(NoPlan{}, {.distance = 2.0});
+  AnyMission mission(o, world, box_world::starts(2), std::ref(views));
   const MissionResult result = mission.run();
   CHECK(result.complete);
-  CHECK(looks.looks() > 0);
+  CHECK(views.views_ordered() > 0);
   CHECK(result.total_path_length() > 1.0);
   CHECK(mission.map().block_count() > still.map().block_count());
 }
@@ -188,7 +188,7 @@ TEST(a_part_that_stands_by_itself_is_found_in_unseen_space) {
   CHECK(finds_it(InterestOptions{}.frontier_gain));
   CHECK(!finds_it(0.0));
 }
-/// Says how often in a row robots are sent to look once more from where they have just looked.
+/// Says how often in a row robots are sent to view once more from where they have just viewed.
 struct Again {
   RollingTours inner;
   int* longest = nullptr;

@@ -96,10 +96,10 @@ class PlanRequests {
       const auto told = plan.outlook.find(id);
       const auto outlook =
           told != plan.outlook.end() ? std::optional(told->second) : by_targets(s, id, route);
-      if (!outlook || outlook->gain >= least_gain * outlook->way) continue;
+      if (!outlook || outlook->gain >= least_gain * outlook->distance) continue;
       if (!left_out_) left_out_.emplace();
       left_out_->gain += outlook->gain;
-      left_out_->way += outlook->way;
+      left_out_->distance += outlook->distance;
       route.clear();
     }
   }

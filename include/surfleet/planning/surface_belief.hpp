@@ -66,7 +66,7 @@ struct KindSpace {
 };
 
 /// Map, voxel states, incomplete surface, free space and roadmap for each kind of robot, and what
-/// was looked at in vain. Fed by images and scans at poses; everything follows the change with
+/// was viewed in vain. Fed by images and scans at poses; everything follows the change with
 /// `update`, at a cost by what has changed.
 class SurfaceBelief {
  public:
@@ -165,13 +165,13 @@ class SurfaceBelief {
   double voxel_size() const { return options_.voxel_size; }
   const TsdfMap& map() const { return map_; }
   const VoxelStateMap& known() const { return known_; }        ///< States at W_th.
-  const VoxelStateMap& observed() const { return observed_; }  ///< What to look through.
+  const VoxelStateMap& observed() const { return observed_; }  ///< For lines of sight.
   const IncompleteSurface& incomplete() const { return incomplete_; }
   const ViewLedger& ledger() const { return ledger_; }
   std::size_t kinds() const { return spaces_.size(); }
   const KindSpace& space(RobotKindId kind) const { return *spaces_[kind]; }
 
-  /// The elements still worth planning for, in voxel order; made when first asked for after a
+  /// The elements still to be planned for, in voxel order; made when first asked for after a
   /// change. Not for concurrent use.
   const std::vector<Goal>& goals() const {
     if (goals_stale_) {

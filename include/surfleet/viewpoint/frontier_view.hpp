@@ -21,8 +21,8 @@
 #include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
-/// The space of a map in cells of two voxels each way; a cell is what its first voxel is. Remembers
-/// the last block it read: one a thread.
+/// The space of a map in cells of two voxels along each axis; a cell is what its first voxel is.
+/// Remembers the last block it read: one a thread.
 class SpaceCells {
  public:
   using Cell = VoxelKey;
