@@ -199,7 +199,7 @@ class FlyingAgent {
     for (const auto& [robot, at] : bodies_.others())
       if (robot < fleet_.size()) fleet_[robot] = at;
     network_.advance(now);
-    robot_.look(now, network_.receive(id_));
+    robot_.observe(now, network_.receive(id_));
     ++record_.result.images;
     end_.observe(robot_, now);
     note_idleness(now);

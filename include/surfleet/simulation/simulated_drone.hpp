@@ -44,12 +44,12 @@ class SimulatedDrone {
   const Configuration& estimate() const { return (*fleet_)[robot_]; }
   const std::vector<SeenRobot>& neighbours() const { return neighbours_; }
   void follow(std::span<const Point3> path, double yaw, std::optional<double> watch) {
-    AerialMotion::YawLaw look;
+    AerialMotion::YawLaw yaw_law;
     if (watch) {
       watch_yaw_ = *watch;
-      look = [this](const Point3&, const Eigen::Vector3d&) { return watch_yaw_; };
+      yaw_law = [this](const Point3&, const Eigen::Vector3d&) { return watch_yaw_; };
     }
-    motion_.follow(path, yaw, std::move(look));
+    motion_.follow(path, yaw, std::move(yaw_law));
   }
   void watch(double yaw) { watch_yaw_ = yaw; }
   void tilt(double pitch) { goal_pitch_ = pitch; }
