@@ -228,8 +228,8 @@ class Navigation {
     }
     // A strip that was chosen for its cost is kept.
     const bool weighted = s_.curvature > 0.0 || s_.turn > 0.0 || s_.slope > 0.0;
-    leg.path = weighted ? geodesic_.taut().within(*strip, start, goal)
-                        : geodesic_.taut().shortened(*strip, start, goal, [&](std::int32_t t) {
+    leg.path = weighted ? geodesic_.shortener().within(*strip, start, goal)
+                        : geodesic_.shortener().shortened(*strip, start, goal, [&](std::int32_t t) {
                             return !search_.blocked(t);
                           });
     leg.planned = leg.path->length();
@@ -274,7 +274,7 @@ class Navigation {
       leg.reason = "no strip of free triangles leads to it, as was found out on the way";
       return leg;
     }
-    leg.path = geodesic_.taut().within(driven, start, goal);
+    leg.path = geodesic_.shortener().within(driven, start, goal);
     leg.planned = leg.path->length();
     return leg;
   }
