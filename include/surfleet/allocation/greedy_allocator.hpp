@@ -236,8 +236,8 @@ struct MakespanAware {
   }
 };
 
-/// What robots still under way have been given before: one route per robot, empty for
-/// a robot that is free.
+/// What robots still under way have been given before: one route per robot, empty for a robot that
+/// is free.
 struct AlreadyAssigned {
   std::vector<std::vector<int>> routes;
 };

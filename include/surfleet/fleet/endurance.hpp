@@ -17,7 +17,7 @@ namespace surfleet {
 /// Why a robot does no more.
 enum class StopReason : std::uint8_t {
   complete,       ///< There was nothing left to do.
-  enough,         ///< What was left gained less than the least gain.
+  enough,         ///< What was left would have gained less than the least gain.
   coverage_goal,  ///< The share that was asked for is reached, by the mission's own account.
   endurance,      ///< It had to be back at its start.
   stranded,       ///< It found no path back to its start.

@@ -21,7 +21,7 @@ template <FleetPlanner Planner>
 class PlanRequests {
  public:
   Planner planner;
-  /// Routes that are expected to show less new surface for a metre flown are left out of the plan
+  /// Routes that are expected to show less new surface for a metre flown are left out of plans
   /// [m²/m]; 0: none.
   double least_gain = 0.0;
   /// Told of every question and its answer, before the answer is carried out.

@@ -22,7 +22,7 @@ namespace surfleet {
 struct TeamAgreement {
   static constexpr std::uint32_t kProtocol = 4;
   std::string team;
-  RobotId robot = 0;  ///< That says so.
+  RobotId robot = 0;  ///< The one that says so.
   std::uint32_t protocol = kProtocol;
   std::uint32_t robots = 0;   ///< Of the team at the most.
   double voxel = 0.0;         ///< [m]

@@ -105,8 +105,8 @@ class FlightLattice {
   /// When that is done, goes on beyond passages too narrow for the lattice, if told of passages
   /// there: `passages(Point3)` is the length of a path through one from `start` to a free node,
   /// infinite where there is none [m]. Of each part of the lattice that was not met it is asked
-  /// about the nodes nearest to
-  /// `start`, until there is one; what was not met is visited in the order of the distance, too.
+  /// about the nodes nearest to `start`, until there is one; what was not met is visited in the
+  /// order of the distance, too.
   ///
   /// `cost(step, to, length)` says what a step to a free node counts as, its length or more [m].
   template <typename Visit, typename Passages = LatticeOnly, typename Cost = StepLength>

@@ -194,12 +194,12 @@ class TangentBug {
   void follow(double distance) {
     if (followed_ >= around_ - eps_) {
       projection_ = best_;
-      // The loop is closed where it began; back to the recorded point the shorter way.
+      // The loop is closed where it began; back to the recorded point by the shorter side.
       if (best_at_ > 0.5 * around_) forward_ = !forward_;
       phase_ = Phase::ToProjection;
       return;
     }
-    // The nearest point to the goal must not be stepped over: the way out may begin there.
+    // The nearest point to the goal must not be stepped over: the leaving path may begin there.
     const Point2 end = forward_ ? edge_end() : edge_start();
     const double ahead = (closest_on_segment(position_, end, goal_) - position_).norm();
     double step = std::min(distance, around_ - followed_);

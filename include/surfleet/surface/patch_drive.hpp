@@ -46,8 +46,8 @@ inline PatchDrive drive_over_patches(const PointCloud& cloud, const KdTree& tree
   require(options.fan >= 3 && options.fan % 2 == 1 && options.wheelbase > 0.0 &&
               options.most_steering > 0.0 && options.most_steering < 0.5 * kPi &&
               options.primitive > 0.0 && options.lookahead >= options.primitive,
-          "patch drive: expected an odd fan, a wheelbase, steering below 90 degrees and a look "
-          "ahead of a motion at least");
+          "patch drive: expected an odd fan, a wheelbase, steering below 90 degrees and a "
+          "lookahead of a motion at least");
   PatchDrive drive;
   double planned = 0.0;
   for (std::size_t i = 1; i < waypoints.size(); ++i)

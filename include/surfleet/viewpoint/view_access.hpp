@@ -25,7 +25,7 @@ inline bool any_reaches(std::span<const ReachFrom> reach, const Point3& p) {
 }
 
 /// What it costs to go from one viewpoint to the next and stop there, as metres of flight: turning
-/// on the way costs nothing as long as the flight takes longer. As it stands, the straight length.
+/// en route costs nothing as long as the flight takes longer. As it stands, the straight length.
 struct StopDistance {
   double stop = 0.0;  ///< A stop, for braking, observing and setting off again [m].
   double turn = 0.0;  ///< Turning, at the robot's speed over its yaw rate [m/rad].
