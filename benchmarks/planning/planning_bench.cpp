@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What one drone's plan is made of: lattices searched, views counted, a tour ahead.
+/// @brief What one drone's plan is made of: lattices searched, views counted, an orienteering tour.
 #include <surfleet/core/random.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
 #include <surfleet/planning/team_tour.hpp>

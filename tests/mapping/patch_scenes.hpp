@@ -19,7 +19,7 @@ inline constexpr double kSheetVoxel = 0.1;
 inline Pose sheet_pose(int shot) {
   const double a = 0.12 * shot + 0.3;
   const Point3 eye(2.5 * std::cos(a), 2.5 * std::sin(a), 0.13);
-  return looking(eye, -eye);
+  return facing(eye, -eye);
 }
 inline std::vector<DepthImage> sheet_images(int count, int first = 0) {
   std::vector<DepthImage> images;

@@ -13,7 +13,7 @@
 using namespace surfleet;
 using namespace surfleet::test;
 
-TEST(looks_in_steps_are_nearly_what_they_were) {
+TEST(view_directions_in_steps_are_nearly_what_they_were) {
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector3d d =

@@ -57,7 +57,7 @@ TEST(tour_of_a_box_sees_what_it_promises_and_is_free) {
         {known.points, known.normals, known.areas}, known.world.bvh, space, roadmap, o.kind.camera,
         start, {.coverage = share, .spacing = 1.0}, forward_camera_mount(), pitches);
     if (!gimbal) reachable = tour.reachable_area;
-    // A gimbal takes no view away, and spares ways to where a level camera sees top and bottom.
+    // A gimbal takes no view away, and spares flights to where a level camera sees top and bottom.
     CHECK(tour.reachable_area >= reachable && (!gimbal || tour.length < last));
     CHECK(std::any_of(tour.viewpoints.begin(), tour.viewpoints.end(),
                       [](const Configuration& q) { return q.pitch != 0.0; }) == gimbal);

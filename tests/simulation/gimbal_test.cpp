@@ -60,8 +60,8 @@ TEST(a_gimbal_turns_at_its_rate_whatever_the_body_does) {
       level(world, 1, fleet, limits, o.neighbours);
   for (auto* drone : {&tilting, &level}) {
     const Point3 from = drone->estimate().position;
-    const std::vector<Point3> way{from, from + Point3(0, 0, 2.0)};
-    drone->follow(way, 1.0, std::nullopt);
+    const std::vector<Point3> path{from, from + Point3(0, 0, 2.0)};
+    drone->follow(path, 1.0, std::nullopt);
   }
   tilting.tilt(1.0);
   double before = 0.0, fastest = 0.0;

@@ -77,7 +77,7 @@ TEST(robots_go_home_when_what_is_left_pays_too_little) {
   const MissionResult all = fly_within({.least_gain = 1e-9}, 1).result;
   check_home(all);
   CHECK(all.complete && all.path_length[0] > all.path_at_work[0] && !all.left_out);
-  // Nobody goes home as long as there is work for another that pays.
+  // No robot goes home as long as there is work for another that pays.
   const MissionResult some = fly_within({.least_gain = 2.0}, 2).result;
   check_home(some);
   CHECK(!some.complete && some.enough() && some.left_area > 0.0);

@@ -53,7 +53,7 @@ TEST(paths_keep_clear_of_mates_that_stand) {
     CHECK(path->length < straight->length + 1.5 * static_cast<double>(standing.size()));
   }
 }
-TEST(where_there_is_no_way_around_mates_paths_are_as_they_were) {
+TEST(where_no_path_leads_around_mates_paths_are_as_they_were) {
   const Ball ball(1.6);
   const KindSpace& space = ball.belief.space(0);
   const Point3 from(-3.5, -0.9, 1.0), to(-3.5, 0.9, 1.0), between(-3.5, 0.0, 1.0);

@@ -61,7 +61,7 @@ TEST(unfolding_keeps_every_length) {
   CHECK_THROWS(Error, unfold(mesh, std::vector<std::int32_t>{0, 100}));
 }
 
-// On a plane the taut path of any strip that can be moved about is the straight line.
+// On a plane the shortened path of any strip that can be moved about is the straight line.
 TEST(a_plane_gives_straight_lines) {
   const TriangleMesh mesh = make_plane(Box2(Point2(0, 0), Point2(3, 2)), 1.0, 17, 13);
   const SurfaceWalk walk(mesh);
@@ -264,7 +264,7 @@ TEST(ends_that_lie_on_corners_and_edges) {
       }
 }
 
-TEST(no_way_is_no_strip) {
+TEST(no_path_is_no_strip) {
   TriangleMesh mesh = make_plane(Box2(Point2(0, 0), Point2(1, 1)), 0.0, 3, 3);
   append(mesh, make_plane(Box2(Point2(2, 0), Point2(3, 1)), 0.0, 3, 3));
   const SurfaceWalk walk(mesh);
@@ -276,7 +276,7 @@ TEST(no_way_is_no_strip) {
   CHECK(StripSearch(mesh)(a, a)->triangles.size() == 1);
 }
 
-TEST(taut_paths_on_a_rough_surface_are_not_longer_than_their_graph) {
+TEST(shortened_paths_on_a_rough_surface_are_not_longer_than_their_graph) {
   const TriangleMesh mesh = clean_surface(steam_chest(0.06));
   const SurfaceWalk walk(mesh);
   const GeodesicStrips strips(walk);
