@@ -48,7 +48,7 @@ struct RollingToursOptions {
   int threads = 1;  ///< Plans are the same for any number.
 };
 
-/// Tours of the whole team over all there is to see, rolled on with every image.
+/// Orienteering tours of the whole team over all targets, planned anew with every image.
 ///
 /// Targets come from `Interest`; a stop is a node of the flight lattice and a view. Each plan makes
 /// a tour for every robot by gain per metre inserted (`TeamTours`), in space that is known or may

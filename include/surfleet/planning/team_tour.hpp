@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Tours of a team by gain per metre inserted.
+/// @brief Orienteering tours of a team, by gain per metre inserted.
 #pragma once
 
 #include <algorithm>
