@@ -18,7 +18,7 @@ def sent(metrics):
 
 
 def catching_up(all_of):
-    """Worst time until all held what anybody held [s]; nothing if one never came to that."""
+    """Worst time until all held what any held [s]; nothing if one never came to that."""
     took = [c["took_s"] for m in all_of for c in m.get("caught_up", [])]
     return None if not took or None in took else max(took)
 

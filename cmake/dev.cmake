@@ -1,7 +1,7 @@
 # What our own tests, examples and benchmarks are built with; users never see it.
 add_library(surfleet_flags INTERFACE)
 target_compile_options(surfleet_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
-# What changes no result: nobody asks for `errno` after a root, nor for floating-point traps, and
+# What changes no result: no caller asks for `errno` after a root, nor for floating-point traps, and
 # with them loops do not become vector code.
 target_compile_options(surfleet_flags INTERFACE -fno-math-errno -fno-trapping-math)
 if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")

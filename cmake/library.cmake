@@ -58,7 +58,7 @@ else()
   message(STATUS "surfleet::dds: CycloneDDS not found, left out")
 endif()
 
-# What takes the compiler long, compiled once: for who builds this project along with theirs.
+# What takes the compiler long, compiled once: for projects that build this one along.
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/compiled/*.cpp)
 add_library(surfleet_compiled STATIC EXCLUDE_FROM_ALL ${sources})
 add_library(surfleet::compiled ALIAS surfleet_compiled)

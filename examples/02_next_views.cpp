@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From what one place shows: where the surface is incomplete, and from where to look at it.
+// From what one place shows: where the surface is incomplete, and the viewpoints for it.
 #include <cstdio>
 #include <vector>
 

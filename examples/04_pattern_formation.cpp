@@ -27,7 +27,7 @@ int main() {
       farthest = std::max(farthest, (formation.goals()[goal_of[i]] - robots[i]).norm());
       robots[i] = formation.goals()[goal_of[i]];
     }
-    std::printf("frame %d: the longest way is %.2f m\n", frame, farthest);
+    std::printf("frame %d: the longest path is %.2f m\n", frame, farthest);
   }
   return farthest < 0.8 ? 0 : 1;
 }

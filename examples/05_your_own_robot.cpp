@@ -23,20 +23,20 @@ struct MyRobot {
   DepthImage sense() { return image; }
   const Configuration& estimate() const { return here; }
   std::vector<SeenRobot> neighbours() const { return {}; }
-  void follow(std::span<const Point3> way, double heading, std::optional<double> /*watch*/) {
-    path.assign(way.begin() + (way.size() > 1 ? 1 : 0), way.end());
+  void follow(std::span<const Point3> points, double heading, std::optional<double> /*watch*/) {
+    path.assign(points.begin() + (points.size() > 1 ? 1 : 0), points.end());
     yaw = heading;
   }
   void watch(double /*heading*/) {}  // this one turns at the end of its path only
-  std::vector<Point3> way_onto(std::span<const Point3> way) const {
-    return {way.begin(), way.end()};
+  std::vector<Point3> path_onto(std::span<const Point3> points) const {
+    return {points.begin(), points.end()};
   }
   void stop() { path.clear(); }
   void resume() {}
   std::vector<Point3> remaining() const {
-    std::vector<Point3> way{here.position};
-    way.insert(way.end(), path.begin(), path.end());
-    return way;
+    std::vector<Point3> points{here.position};
+    points.insert(points.end(), path.begin(), path.end());
+    return points;
   }
   double stopping_distance() const { return 0.1; }
   Eigen::Vector3d velocity() const { return Eigen::Vector3d::Zero(); }

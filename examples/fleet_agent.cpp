@@ -80,11 +80,11 @@ Arguments arguments(int argc, char** argv) {
   app.add("--peers", a.peers, "hosts of the others, as in 10.0.0.4,10.0.0.5").separated_by(',');
   app.add("--domain", a.domain, "of DDS; robots of another are not heard").within(0, 230);
   app.add("--security", a.security,
-          "folder of keys, as make_fleet_keys makes it: nobody else is heard, and nobody can speak "
-          "for another; without, who sent what is said and not proved");
+          "folder of keys, as make_fleet_keys makes it: no other is heard, and none can speak "
+          "for another; without, senders are claimed, not proved");
   app.add("--join", a.join, "longest wait for the others before it sets out [s]").zero_or_more();
   app.add("--stay", a.stay,
-          "hovers for so long after the end, so that who comes late catches up [s]")
+          "hovers for so long after the end, so that one that comes late catches up [s]")
       .zero_or_more();
   app.add("--lost-packets", a.lost_packets, "share of this robot's packets that are not sent")
       .zero_or_more();
@@ -130,7 +130,7 @@ TeamAgreement agreement(const Arguments& a, const SurfaceBeliefOptions& belief,
           .packing = packer.packing()};
 }
 
-/// Who of the team is there. Throws `Error` if somebody is there with whom one cannot fly.
+/// How many of the team are there. Throws `Error` if one is there with which one cannot fly.
 std::size_t mates_there(const DdsTeam& team, const TeamAgreement& ours) {
   std::set<RobotId> mates;
   for (const std::string& note : team.others()) {
@@ -144,7 +144,7 @@ std::size_t mates_there(const DdsTeam& team, const TeamAgreement& ours) {
 }
 /// Waits for the team; how long it took to find all [s], or nothing if some are missing.
 std::optional<double> meet(const DdsTeam& team, const TeamAgreement& ours, double patience) {
-  constexpr double kMoment = 1.0;  // more, for who should not be there
+  constexpr double kMoment = 1.0;  // more, for those that should not be there
   const auto start = Clock::now();
   std::optional<double> found;
   for (;;) {
@@ -199,7 +199,7 @@ class FlyingAgent {
     for (const auto& [robot, at] : bodies_.others())
       if (robot < fleet_.size()) fleet_[robot] = at;
     network_.advance(now);
-    robot_.look(now, network_.receive(id_));
+    robot_.observe(now, network_.receive(id_));
     ++record_.result.images;
     end_.observe(robot_, now);
     note_idleness(now);
@@ -374,7 +374,7 @@ int fly(const Arguments& a) {
                             .note = agreed.note(),
                             .security = a.security,
                             .lost_packets = a.lost_packets});
-  FlyingAgent agent(a, site, inputs, team, agreed);  // with keys, who writes nothing is not found
+  FlyingAgent agent(a, site, inputs, team, agreed);  // with keys, silent robots are not found
   cli::watch_interrupts();
   const std::optional<double> found = meet(*team, agreed, a.join);
   const auto out = cli::prepare_output_folder(a.out);

@@ -23,7 +23,7 @@ using namespace surfleet::examples;
 
 int run(int argc, char** argv) {
   cli::Options app(
-      "Plans where a drone that knows a structure looks at it from, and the tour by all of these "
+      "Plans from where a drone that knows a structure views it, and the tour by all of these "
       "places; flies it in simulation and tells what the images show.\n"
       "Writes viewpoints.csv, tour.json, tour.tum, reconstruction.ply, metrics.json and "
       "report.html "
@@ -36,7 +36,7 @@ int run(int argc, char** argv) {
   app.add("--coverage", plan.coverage, "share to be seen of what can be seen");
   app.add("--standoff", standoff, "depth up to which a view counts [m]; default all of --range");
   app.add("--spacing", plan.spacing, "between candidate places [m]").positive();
-  app.add("--stop-cost", plan.stop_cost, "what a viewpoint costs beside its way [m]").positive();
+  app.add("--stop-cost", plan.stop_cost, "what a viewpoint costs beside its detour [m]").positive();
   app.add(
       "--hold", hold,
       "time spent at a viewpoint [s]; default as long as it takes to know surface at the farthest "

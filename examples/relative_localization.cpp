@@ -577,14 +577,14 @@ int run(int argc, char** argv) {
   std::optional<Recording> recording;
   std::optional<Simulated> simulated;
   // Robot r1 sweeps 30 × 42 cm below a camera at 2.3 m, and drives home backwards; r2, on an
-  // inclined wall beside, looks at it.
+  // inclined wall beside, faces it.
   const auto r1 = [](double t) {
     Pose T = Pose::Identity();
     constexpr double kLength = 6 * 0.30 + 0.42, kChord = 0.02;  // [m]
-    const double way = kLength - std::abs(std::fmod(0.05 * t, 2.0 * kLength) - kLength);
-    const Point2 at = sweep_place(0.30, 0.42, 6, way);
-    const Point2 dir = sweep_place(0.30, 0.42, 6, std::min(way + kChord, kLength)) -
-                       sweep_place(0.30, 0.42, 6, std::max(way - kChord, 0.0));
+    const double along = kLength - std::abs(std::fmod(0.05 * t, 2.0 * kLength) - kLength);
+    const Point2 at = sweep_place(0.30, 0.42, 6, along);
+    const Point2 dir = sweep_place(0.30, 0.42, 6, std::min(along + kChord, kLength)) -
+                       sweep_place(0.30, 0.42, 6, std::max(along - kChord, 0.0));
     T.linear() = Eigen::AngleAxisd(std::atan2(dir.y(), dir.x()), Eigen::Vector3d::UnitZ())
                      .toRotationMatrix();
     T.translation() = Point3(at.x(), at.y(), 0.05);

@@ -30,8 +30,8 @@ int run(int argc, char** argv) {
           "Search this many perturbations instead of a time: the same result everywhere");
   app.add("--seed", seed, "Seed of the search");
   app.add("--start", start, "First node of the tour, numbered from 1 as in the file");
-  app.add_flag("--maximize", maximize, "Look for the longest tour");
-  app.add_flag("--open", open, "Look for a path that does not return to where it began");
+  app.add_flag("--maximize", maximize, "Search for the longest tour");
+  app.add_flag("--open", open, "Search for a path that does not return to where it began");
   app.parse(argc, argv);
   require(time_limit_s > 0.0 && time_limit_s <= 1e6,
           "--time-limit " + std::to_string(time_limit_s) + "; expected seconds in (0, 1e6]");

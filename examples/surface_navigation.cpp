@@ -60,7 +60,8 @@ Settings settings(int argc, char** argv) {
   Settings s;
   cli::Options app(
       "A robot drives over a curved surface from a start to one goal after the other: a strip of "
-      "triangles, a taut path in it, a vector field or a tracked reference.\nWrites metrics.json, "
+      "triangles, a shortest path in it, a vector field or a tracked reference.\nWrites "
+      "metrics.json, "
       "surface.ply, strip.ply, path.tum, driven.tum, a picture and report.html to --out.\n"
       "Exit status: 0 done, 2 input refused, 3 a goal was not reached.");
   app.add("--scene", s.scene, examples::kSurfaceScenes);
@@ -123,7 +124,7 @@ Settings settings(int argc, char** argv) {
   app.add("--slope", s.slope, "weight of steepness (dual, midpoints)").zero_or_more();
   app.add("--blocked", s.blocked, "file of triangle numbers that may not be entered");
   app.add("--sense", s.sense,
-          "blocked triangles are seen from so far, and the strip is planned again on the way; 0: "
+          "blocked triangles are seen from so far, and the strip is planned again under way; 0: "
           "all are known from the start [m]")
       .zero_or_more();
   app.add("--field", s.field, "continuous (eq. 7.1) or perpendicular to every edge crossed")
@@ -202,7 +203,7 @@ class Navigation {
 
   const SurfaceWalk& walk() const { return walk_; }
 
-  /// A strip and its taut path.
+  /// A strip and its shortened path.
   Leg plan(const SurfacePoint& start, const SurfacePoint& goal) const {
     Leg leg;
     if (search_.blocked(start.triangle) || search_.blocked(goal.triangle)) {
@@ -210,7 +211,7 @@ class Navigation {
                                                   : "the robot stands in a blocked triangle";
       return leg;
     }
-    if (s_.sense > 0.0 && !s_.blocked.empty()) return plan_on_the_way(start, goal);
+    if (s_.sense > 0.0 && !s_.blocked.empty()) return plan_under_way(start, goal);
     const bool free = search_.costs().user.empty();
     std::optional<std::vector<std::int32_t>> strip;
     if (s_.search == "geodesic") strip = geodesic_.triangles(start, goal);
@@ -228,8 +229,8 @@ class Navigation {
     }
     // A strip that was chosen for its cost is kept.
     const bool weighted = s_.curvature > 0.0 || s_.turn > 0.0 || s_.slope > 0.0;
-    leg.path = weighted ? geodesic_.taut().within(*strip, start, goal)
-                        : geodesic_.taut().shortened(*strip, start, goal, [&](std::int32_t t) {
+    leg.path = weighted ? geodesic_.shortener().within(*strip, start, goal)
+                        : geodesic_.shortener().shortened(*strip, start, goal, [&](std::int32_t t) {
                             return !search_.blocked(t);
                           });
     leg.planned = leg.path->length();
@@ -237,34 +238,34 @@ class Navigation {
   }
 
   /// From triangle to triangle, knowing of the blocked ones only what was within sight.
-  Leg plan_on_the_way(const SurfacePoint& start, const SurfacePoint& goal) const {
+  Leg plan_under_way(const SurfacePoint& start, const SurfacePoint& goal) const {
     Leg leg;
     const TriangleMesh& mesh = walk_.mesh();
     StripReplanner plan(mesh, goal, {s_.curvature, s_.turn, s_.slope, {}}, nodes());
-    std::vector<std::int32_t> unseen, driven{start.triangle};
+    std::vector<std::int32_t> unsensed, driven{start.triangle};
     for (std::int32_t t = 0; t < static_cast<std::int32_t>(mesh.triangles.size()); ++t)
-      if (search_.blocked(t)) unseen.push_back(t);
-    const auto look = [&](const Point3& from) {
-      const std::size_t before = unseen.size();
-      std::erase_if(unseen, [&](std::int32_t t) {
+      if (search_.blocked(t)) unsensed.push_back(t);
+    const auto sense = [&](const Point3& from) {
+      const std::size_t before = unsensed.size();
+      std::erase_if(unsensed, [&](std::int32_t t) {
         if ((mesh.centroid(static_cast<std::size_t>(t)) - from).norm() > s_.sense) return false;
         plan.set_user_cost(t, std::numeric_limits<double>::infinity());
         return true;
       });
-      return unseen.size() < before;
+      return unsensed.size() < before;
     };
     SurfacePoint at = start;
-    look(at.position(mesh));
+    sense(at.position(mesh));
     auto strip = plan(at);
     for (std::size_t k = 1; strip && at.triangle != goal.triangle; ++k) {
       const std::int32_t next = strip->triangles[k];
       if (search_.blocked(next)) {  // bumped into before it was in sight
         plan.set_user_cost(next, std::numeric_limits<double>::infinity());
-        std::erase(unseen, next);
+        std::erase(unsensed, next);
       } else {
         at = SurfacePoint{next};
         driven.push_back(next);
-        if (!look(at.position(mesh))) continue;
+        if (!sense(at.position(mesh))) continue;
       }
       strip = plan(at);
       ++leg.replans;
@@ -274,7 +275,7 @@ class Navigation {
       leg.reason = "no strip of free triangles leads to it, as was found out on the way";
       return leg;
     }
-    leg.path = geodesic_.taut().within(driven, start, goal);
+    leg.path = geodesic_.shortener().within(driven, start, goal);
     leg.planned = leg.path->length();
     return leg;
   }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A room includes only rooms above it in the README's table, and nobody includes adapters.
+"""A room includes only rooms above it in the README's table, and none includes adapters.
 
     rooms_order.py README.md include/surfleet [--lines MOST]
 

@@ -38,7 +38,7 @@ inline CostMatrix random_costs(int n, std::uint64_t seed, double high) {
   Random random(seed);
   return from_rule(n, [&](int, int) { return 1.0 + std::floor(random.uniform(0.0, high)); });
 }
-/// Deliveries in a city of blocks of which a part has one-way streets: shortest ways.
+/// Deliveries in a city of blocks of which a part has one-way streets: shortest paths.
 inline CostMatrix city(int n, std::uint64_t seed, double one_way) {
   Random random(seed);
   const int side = static_cast<int>(std::ceil(std::sqrt(1.6 * n)));

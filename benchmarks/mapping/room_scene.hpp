@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief The room the mapping benchmarks look at, with exact distances: 10 × 8 × 3 m, a sphere and
+/// @brief The room of the mapping benchmarks, with exact distances: 10 × 8 × 3 m, a sphere and
 /// a square pillar.
 #pragma once
 
@@ -78,7 +78,7 @@ inline Part part_at(const Point3& p, double reach) {
   return planes > 1 ? Part::corner : Part::plane;
 }
 
-/// Ten poses of a body on a circle, looking outward and around.
+/// Ten poses of a body on a circle, facing outward and around.
 inline std::vector<Pose> body_poses(int count = 10) {
   std::vector<Pose> poses;
   for (int i = 0; i < count; ++i) {

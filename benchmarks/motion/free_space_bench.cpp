@@ -21,7 +21,7 @@ struct World {
   VoxelStateMap states;
 };
 
-/// A view's worth of blocks turns unknown, then known again.
+/// As many blocks as a view changes turn unknown, then known again.
 void FreeSpace_Update(benchmark::State& state) {
   World w(0.3);
   FreeSpace space(w.states, {.radius = 1.0, .bounds = plant_map::bounds()});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What one drone's plan is made of: lattices searched, views counted, a tour ahead.
+/// @brief What one drone's plan is made of: lattices searched, views counted, an orienteering tour.
 #include <surfleet/core/random.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
 #include <surfleet/planning/team_tour.hpp>
@@ -91,7 +91,7 @@ BENCHMARK(SightTargets_InView)->ArgName("by_depth")->Arg(0)->Arg(1);
 struct TableViews {
   std::vector<double> gain;
   double most(std::size_t s) const { return gain[s]; }
-  double look(std::size_t s, double /*enough*/, GainByView& by_view) const {
+  double evaluate(std::size_t s, double /*enough*/, GainByView& by_view) const {
     by_view.fill(gain[s]);
     return gain[s];
   }

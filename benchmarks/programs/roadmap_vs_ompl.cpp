@@ -47,9 +47,9 @@ class SegmentValidator : public ob::MotionValidator {
   bool checkMotion(const ob::State* a, const ob::State* b,
                    std::pair<ob::State*, double>& last) const override {
     const double length = (point_of(b) - point_of(a)).norm();
-    const double way = space_.free_length(point_of(a), point_of(b));
-    if (way >= length) return true;
-    last.second = way / length;
+    const double free = space_.free_length(point_of(a), point_of(b));
+    if (free >= length) return true;
+    last.second = free / length;
     if (last.first != nullptr) si_->getStateSpace()->interpolate(a, b, last.second, last.first);
     return false;
   }

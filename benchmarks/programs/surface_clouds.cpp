@@ -407,16 +407,16 @@ void paths(const CloudScene& scene) {
         for (const std::int32_t c : path->cells) low += planner.is_surface(c) ? 0U : 1U;
         steps += path->cells.size();
         const auto direct = in.truth->distance(maps[start].position, maps[goal].position);
-        const SmoothPath taut = smoothed(planner, tokens, *path);
+        const SmoothPath shortened = smoothed(planner, tokens, *path);
         const auto exact =
-            in.truth->distance(taut.points.front().position, taut.points.back().position);
+            in.truth->distance(shortened.points.front().position, shortened.points.back().position);
         if (!direct || !exact || *direct < 5.0 * kVoxel || *exact < 5.0 * kVoxel) continue;
         ++found_both;
         plain.add(straight->length / *direct);
-        smooth.add(taut.length() / *exact);
-        shadow.add(shadow_length(*in.truth, taut, off) / *exact);
-        true_crossings(*in.truth, taut, met);
-        crossings += taut.crossings.size();
+        smooth.add(shortened.length() / *exact);
+        shadow.add(shadow_length(*in.truth, shortened, off) / *exact);
+        true_crossings(*in.truth, shortened, met);
+        crossings += shortened.crossings.size();
       }
     }
   });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // requires: cgal
-// Triangle strips over meshes: taut paths against CGAL's exact geodesics, fields followed from many
-// starts, and a tracked robot with a noisy pose. Prints JSON.
+// Triangle strips over meshes: their shortened paths against CGAL's exact geodesics, fields
+// followed from many starts, and a tracked robot with a noisy pose. Prints JSON.
 //
 //   surface_strips [--seeds 20] [--first-seed 101] [--pairs 50]
 #include <CGAL/Surface_mesh_shortest_path.h>

@@ -38,7 +38,7 @@ inline Configuration step(int i) {
   return {Point3(0.5 * i, -5.5, 4.0 + std::sin(0.1 * i)), kPi / 2 + 0.4 * std::sin(0.7 * i)};
 }
 
-inline DepthImage look(const PinholeCamera& c, const Pose& T_world_camera) {
+inline DepthImage image_at(const PinholeCamera& c, const Pose& T_world_camera) {
   DepthImage image(c.width, c.height);
   for (int v = 0; v < c.height; ++v)
     for (int u = 0; u < c.width; ++u) {
@@ -57,7 +57,7 @@ class Survey {
   void fly(int count) {
     for (int i = 0; i < count; ++i, ++next) {
       const Pose T_world_camera = step(next).pose() * forward_camera_mount();
-      const DepthImage image = look(camera(), T_world_camera);
+      const DepthImage image = image_at(camera(), T_world_camera);
       integrate(image, camera(), T_world_camera, map);
     }
   }

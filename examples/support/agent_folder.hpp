@@ -2,8 +2,8 @@
 /// @file
 /// @brief What one robot of a distributed fleet leaves behind, also if its process is killed.
 ///
-/// agent.json (who it is) and trajectory.tum (stamps of Unix time) are there while it flies;
-/// map.sfm, reconstruction.ply, points.ply and metrics.json come at its end. A robot that is
+/// agent.json (which robot it is) and trajectory.tum (stamps of Unix time) are there while it
+/// flies; map.sfm, reconstruction.ply, points.ply and metrics.json come at its end. A robot that is
 /// started again in the folder of one that did not come to an end keeps that one's path as
 /// trajectory_before_K.tum.
 #pragma once
@@ -79,11 +79,11 @@ class TrajectoryLog {
 /// A robot's folder, read.
 struct AgentFolder {
   std::filesystem::path path;
-  nlohmann::json who;                     ///< agent.json
+  nlohmann::json about;                   ///< agent.json
   std::optional<nlohmann::json> metrics;  ///< Nothing if it did not come to an end.
   std::vector<Trajectory> flights;        ///< The first first; none is empty.
 
-  int id() const { return who.at("id").get<int>(); }
+  int id() const { return about.at("id").get<int>(); }
   bool complete() const { return metrics && metrics->value("complete", false); }
   bool has_map() const {
     std::error_code ec;
@@ -93,7 +93,7 @@ struct AgentFolder {
 
 /// Throws `Error` for a folder that no robot has left.
 inline AgentFolder read_agent_folder(const std::filesystem::path& folder) {
-  AgentFolder f{.path = folder, .who = {}, .metrics = {}, .flights = {}};
+  AgentFolder f{.path = folder, .about = {}, .metrics = {}, .flights = {}};
   std::error_code ec;
   const auto object = [&](const char* name) {
     const Bytes bytes = read_file(folder / name);
@@ -101,9 +101,10 @@ inline AgentFolder read_agent_folder(const std::filesystem::path& folder) {
     require(j.is_object(), (folder / name).string() + ": expected what fleet_agent writes");
     return j;
   };
-  f.who = object("agent.json");
-  require(f.who.contains("id") && f.who["id"].is_number_integer() && f.id() >= 1 && f.id() <= 64,
-          (folder / "agent.json").string() + ": expected an id of 1 to 64");
+  f.about = object("agent.json");
+  require(
+      f.about.contains("id") && f.about["id"].is_number_integer() && f.id() >= 1 && f.id() <= 64,
+      (folder / "agent.json").string() + ": expected an id of 1 to 64");
   if (std::filesystem::exists(folder / "metrics.json", ec)) f.metrics = object("metrics.json");
   const auto fly = [&](const std::filesystem::path& file) {
     const Bytes bytes = read_file(file);

@@ -78,7 +78,7 @@ std::string check_value(const std::string& text) {
 }  // namespace
 
 Options::Options(const std::string& description) : app_(std::make_unique<CLI::App>(description)) {
-  // A setting in a file that nobody reads would be a mistake nobody sees.
+  // A setting in a file that is not read would be a mistake that is not seen.
   app_->allow_config_extras(CLI::config_extras_mode::error);
   app_->set_version_flag("--version", "Surfleet " + std::to_string(SURFLEET_VERSION_MAJOR) + "." +
                                           std::to_string(SURFLEET_VERSION_MINOR) + "." +

@@ -68,7 +68,9 @@ struct Truth {
     if (!from || !to) return std::nullopt;
     const auto strip = strips.triangles(*from, *to);
     if (!strip) return std::nullopt;
-    return strips.taut().shortened(*strip, *from, *to, [](std::int32_t) { return true; }).length();
+    return strips.shortener()
+        .shortened(*strip, *from, *to, [](std::int32_t) { return true; })
+        .length();
   }
 };
 

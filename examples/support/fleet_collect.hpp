@@ -68,16 +68,16 @@ inline std::vector<AgentFolder> read_agent_folders(const std::vector<std::string
   std::vector<AgentFolder> folders;
   for (const std::string& name : names) {
     folders.push_back(read_agent_folder(name));
-    const nlohmann::json &who = folders.back().who, &first = folders.front().who;
+    const nlohmann::json &about = folders.back().about, &first = folders.front().about;
     for (const char* key : {"team", "scene", "voxel_m", "robots", "speed_up"})
       require(
-          who.contains(key) && who[key] == first[key],
+          about.contains(key) && about[key] == first[key],
           name + ": another " + key + " than " + names[0] + "; expected folders of one mission");
   }
-  const nlohmann::json& who = folders.front().who;
+  const nlohmann::json& about = folders.front().about;
   const auto expect = [&](const char* key, const nlohmann::json& ours, const char* option) {
-    require(who[key] == ours, names[0] + ": flown with " + key + " " + who[key].dump() +
-                                  "; expected " + option + " to say so");
+    require(about[key] == ours, names[0] + ": flown with " + key + " " + about[key].dump() +
+                                    "; expected " + option + " to say so");
   };
   expect("scene", s.scene, "--scene");
   expect("voxel_m", s.voxel, "--voxel");
@@ -92,7 +92,7 @@ inline std::vector<AgentFolder> read_agent_folders(const std::vector<std::string
 inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
                                     const InspectionSettings& s, const InspectionSite& site) {
   namespace fc = fleet_collect;
-  const double speed_up = folders.front().who["speed_up"].get<double>();
+  const double speed_up = folders.front().about["speed_up"].get<double>();
   CollectedFleet c;
   MissionResult& m = c.run.result;
   DistributedResult d;
@@ -197,7 +197,7 @@ inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
             {"late_steps", late},
             {"found_team_s", found},
             {"speed_up", speed_up},
-            {"team", folders.front().who["team"]}};
+            {"team", folders.front().about["team"]}};
   return c;
 }
 }  // namespace surfleet::examples

@@ -50,7 +50,7 @@ TsdfOptions fusion_options(const FusionSettings& s) {
 struct NextViews {
   std::vector<NextView> views;  ///< The one that adds most first.
   std::size_t incomplete = 0;   ///< Elements of the map, …
-  std::size_t asked = 0;        ///< … those that a view was looked for, evenly picked …
+  std::size_t asked = 0;        ///< … those that a view was sought for, evenly picked …
   std::size_t unseen = 0;       ///< … and of these, those that none was found for.
   double covered = 0.0;         ///< Share of those asked that the views show.
 };
@@ -140,7 +140,7 @@ nlohmann::json json_of(const NextViews& next, const PinholeCamera& c) {
           {"viewpoints", list}};
 }
 
-/// The mesh without what `eye` would see from behind: one looks into rooms.
+/// The mesh without what `eye` would see from behind: rooms are seen from outside.
 TriangleMesh facing(const TriangleMesh& mesh, const Point3& eye) {
   return selected(
       mesh, [&](std::size_t t) { return mesh.area_vector(t).dot(eye - mesh.centroid(t)) > 0.0; });
@@ -224,7 +224,7 @@ void declare_fusion_options(cli::Options& app, FusionSettings& s) {
               std::to_string(static_cast<int>(s.observations)) +
               (s.observations > 1.0 ? " observations" : " observation") +
               " from the far end of --range");
-  app.add("--bounds", s.bounds, "what is meshed and looked at: x0 y0 z0 x1 y1 z1 [m]").expected(6);
+  app.add("--bounds", s.bounds, "what is meshed and viewed: x0 y0 z0 x1 y1 z1 [m]").expected(6);
   app.add("--up", s.up,
           "direction that is up in the frame of the poses; results are turned so that it is z")
       .expected(3);

@@ -31,7 +31,7 @@ struct FusionSettings {
   std::optional<double> known_weight;     ///< W_th; nothing: of `observations` from the far end.
   double observations = 2.0;              ///< That make a voxel known, if all are from the far end.
   std::vector<double> up{0.0, 0.0, 1.0};  ///< In the frame of the poses.
-  std::vector<double> bounds;             ///< Box that is meshed and looked at; empty: all [m].
+  std::vector<double> bounds;             ///< Box that is meshed and viewed; empty: all [m].
   double max_time_off = 0.02;             ///< [s]
   int views = 20;
   std::optional<double> standoff;  ///< [m]; nothing: the middle of the range.

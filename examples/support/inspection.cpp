@@ -189,12 +189,12 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
   o.belief.observed_share = planner_by_name(s.planner).observed_share();
   o.belief.tsdf.truncation = s.truncation.value_or(3.0 * s.voxel);
   o.belief.integrator = s.integrator();
-  o.belief.looks.max_views = s.max_views;
+  o.belief.ledger.max_views = s.max_views;
   o.belief.region = site.scene.region;
   o.belief.seed = s.seed;
   o.agent.image_period = 1.0 / s.rate;
   if (s.utility_share) o.agent.utility_share = *s.utility_share;
-  // Said by the operator, who knows the place he starts from, and held against the truth before the
+  // Said by the operator, who knows the starting place, and held against the truth before the
   // mission begins: see `InspectionSite::starts`.
   o.start_clearance = s.known_around_start();
   o.neighbours = neighbour_sense(s, site);
@@ -326,7 +326,7 @@ double coverage_of_met(const InspectionSettings& s, const InspectionSite& site, 
   return all == 0 ? 0.0 : static_cast<double>(covered) / static_cast<double>(all);
 }
 
-/// Who has left the mission has no place for the rest of it.
+/// A robot that has left the mission has no place for the rest of it.
 void end_of_lost(std::vector<std::vector<Point3>>& paths, std::span<const RobotId> lost) {
   std::size_t instants = 0;
   for (const auto& path : paths) instants = std::max(instants, path.size());

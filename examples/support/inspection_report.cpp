@@ -87,7 +87,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
       {"stop_reason", stop_reasons},
       {"left_area_m2", run.result.left_area},
       {"left_out_gain_m2", left_out ? nlohmann::json(left_out->gain) : none},
-      {"left_out_way_m", left_out ? nlohmann::json(left_out->way) : none},
+      {"left_out_way_m", left_out ? nlohmann::json(left_out->distance) : none},
       {"completion_time_s", run.result.completion_time},
       {"planning_time_s", run.result.planning_time},
       {"wall_time_s", run.wall_time},

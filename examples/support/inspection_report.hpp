@@ -52,7 +52,7 @@ struct CoverageCurve {
     double time = 0.0;  ///< [s]
     double path = 0.0;  ///< Of all robots [m].
   };
-  /// When so much was first covered, between two looks at it; nothing if never.
+  /// When so much was first covered, between two checks; nothing if never.
   std::optional<Milestone> reached(double share) const {
     const auto at =
         std::find_if(coverage.begin(), coverage.end(), [&](double c) { return c >= share; });
@@ -64,7 +64,7 @@ struct CoverageCurve {
   }
 };
 
-/// Looks at a mission's coverage while it is under way.
+/// Checks a mission's coverage while it is under way.
 class CoverageWatch {
  public:
   CoverageWatch(const InspectionSite& site, const InspectionSettings& s) : probe_(site, s) {}
@@ -79,7 +79,7 @@ class CoverageWatch {
   const CoverageCurve& curve() const { return curve_; }
 
  private:
-  static constexpr double kPeriod = 5.0;  // between looks at first [s] …
+  static constexpr double kPeriod = 5.0;  // between checks at first [s] …
   static constexpr double kShare = 0.04;  // … and of the time that has passed, later
   CoverageProbe probe_;
   CoverageCurve curve_;

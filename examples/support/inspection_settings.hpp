@@ -135,7 +135,7 @@ struct InspectionSettings : MissionPreset {
     if (!has_lidar())
       p.yaw_rate = limits.yaw_rate;
     else
-      p.yaw_rate = 1e3;  // as nobody turns for it
+      p.yaw_rate = 1e3;  // as no robot turns for it
     p.printed_share = printed_share;
     p.utility_share = utility_share;
     p.threads = threads;
@@ -272,7 +272,7 @@ class InspectionOptions {
         .expected(3);
     app.add_flag(
         "--gimbal", settings.gimbal,
-        "pitch is chosen with the heading: views look level, down or up; coverage is still "
+        "pitch is chosen with the heading: views face level, down or up; coverage is still "
         "counted against what the level camera could see");
     app.add("--gimbal-pitch", settings.gimbal_pitch,
             "of a gimbal's views down and up, beyond the camera's own [deg]; default the vertical "
@@ -287,7 +287,7 @@ class InspectionOptions {
     app.add("--known-weight", settings.known_weight, "W_th: weight of a known voxel");
     app.add("--weight", settings.weight,
             "of an image of a voxel z metres away: inverse-square, 1/z^2, or constant, 1; how long "
-            "drones look at surface follows from it; default inverse-square, of a LiDAR's scan "
+            "drones view surface follows from it; default inverse-square, of a LiDAR's scan "
             "constant")
         .one_of({"inverse-square", "constant"});
     app.add("--truncation", settings.truncation, "mu of the TSDF [m]; default three voxels");
@@ -297,13 +297,13 @@ class InspectionOptions {
       app.add("--utility-share", settings.utility_share,
               "c_thres: share of a route's work whose completion asks for a new plan; default 0.2, "
               "tsga 0.8 and 0.5 with --preset statue, nnb 0.1");
-      app.add("--max-looks", settings.max_views, "looks in vain before an element is given up");
+      app.add("--max-looks", settings.max_views, "views in vain before an element is given up");
       app.add("--merge-distance", settings.merge.distance,
-              "epsilon: viewpoints this near are one, if they look alike [m] (all but surfleet and "
+              "epsilon: viewpoints this near are one, if they face alike [m] (all but surfleet and "
               "tours)");
       app.add("--cluster-radius", settings.cluster_radius, "d_nu [m]");
       app.add("--cluster-max-radius", settings.cluster_max_radius,
-              "d_nu^max: up to which a viewpoint alone looks for company [m]");
+              "d_nu^max: up to which a lone viewpoint seeks neighbours [m]");
       app.add("--cluster-distance", settings.cluster_distance,
               "what joins viewpoints: straight lines or roadmap paths")
           .one_of({"straight", "path"});
@@ -434,7 +434,7 @@ class InspectionOptions {
         "--lidar-range: so high an opening leaves no range to plan with; expected a longer one");
     require(s.start_clearance ||
                 degrees(std::min(l.highest, -l.lowest)) >= InspectionSettings::kLeastOpening,
-            "--lidar-fov: such beams see nothing of the way up or down; expected a "
+            "--lidar-fov: such beams see nothing of the path up or down; expected a "
             "--start-clearance with it");
     require(l.azimuths >= 16 && l.azimuths <= 8192 && l.elevations >= 2 && l.elevations <= 1024,
             "--lidar-beams: expected 16 to 8192 around and 2 to 1024 up");
@@ -464,7 +464,7 @@ class InspectionOptions {
     require(
         s.has_lidar() || s.start_clearance ||
             std::abs(s.camera_pitch) + InspectionSettings::kLeastOpening <= 0.5 * s.fov[1],
-        "--camera-pitch: at such a tilt the camera sees nothing of the way up or down; expected "
+        "--camera-pitch: at such a tilt the camera sees nothing of the path up or down; expected "
         "a --start-clearance with it");
     if (s.has_lidar()) check_lidar(s);
     for (const double x : s.camera_mount)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Coverage tours of a site that is known, and what the images taken on them are worth, for
+/// @brief Coverage tours of a site that is known, and what the images taken on them cover, for
 ///        `plan_coverage_tour` and the clairvoyant benchmark.
 #pragma once
 

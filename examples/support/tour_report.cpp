@@ -41,7 +41,7 @@ std::vector<std::byte> view_of(const TriangleMesh& mesh, const Box3& box, double
 void write_tour(const std::filesystem::path& out, const InspectionSettings& s,
                 const InspectionSite& site, const CoverageTourOptions& plan,
                 const CoverageTour& tour, const FlownTour& flown, const JudgeReport& path) {
-  nlohmann::json stops = nlohmann::json::array(), way = nlohmann::json::array();
+  nlohmann::json stops = nlohmann::json::array(), points = nlohmann::json::array();
   // Numbers as JSON writes them: the shortest that read back as the same value.
   const auto text = [](double v) { return nlohmann::json(v).dump(); };
   std::string csv = "index,x_m,y_m,z_m,yaw_rad";
@@ -53,11 +53,11 @@ void write_tour(const std::filesystem::path& out, const InspectionSettings& s,
            text(q.position.z()) + "," + text(q.yaw);
     csv += s.gimbal ? "," + text(q.pitch) + "\n" : "\n";
   }
-  for (const Point3& p : tour.path) way.push_back(triple(p));
+  for (const Point3& p : tour.path) points.push_back(triple(p));
   write_file(out / "viewpoints.csv", csv);
   const nlohmann::json whole{{"start", pose(flown.images.front().second)},
                              {"viewpoints", stops},
-                             {"path", way},
+                             {"path", points},
                              {"length_m", tour.length}};
   write_file(out / "tour.json", whole.dump(2) + "\n");
   std::vector<StampedPose> poses;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Everything of the allocation room: tours, cluster graphs, and who visits what.
+/// @brief Everything of the allocation room: tours, cluster graphs, and which robot visits what.
 #pragma once
 
 #include <surfleet/allocation/fwd.hpp>

@@ -21,7 +21,7 @@
 #include <surfleet/motion/path.hpp>
 #include <surfleet/motion/path_follower.hpp>
 #include <surfleet/motion/reachable_set.hpp>
-#include <surfleet/motion/roadmap_ways.hpp>
+#include <surfleet/motion/roadmap_passages.hpp>
 #include <surfleet/motion/shortcut.hpp>
 #include <surfleet/motion/string_pulling.hpp>
 #include <surfleet/motion/swept_body.hpp>

@@ -23,12 +23,12 @@
 #include <surfleet/surface/smooth_path.hpp>
 #include <surfleet/surface/sparse_planner.hpp>
 #include <surfleet/surface/strip_field.hpp>
+#include <surfleet/surface/strip_path.hpp>
 #include <surfleet/surface/strip_replanning.hpp>
 #include <surfleet/surface/strip_search.hpp>
 #include <surfleet/surface/surface_point.hpp>
 #include <surfleet/surface/surface_vehicles.hpp>
 #include <surfleet/surface/surface_walk.hpp>
-#include <surfleet/surface/taut_strip.hpp>
 #include <surfleet/surface/tensor_voting.hpp>
 #include <surfleet/surface/tracking_control.hpp>
 #include <surfleet/surface/triangle_strip.hpp>

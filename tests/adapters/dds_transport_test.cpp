@@ -100,7 +100,7 @@ TEST(teams_do_not_hear_each_other) {
 }
 TEST(others_of_the_network_are_found_with_their_notes) {
   DdsOptions alpha = team("alpha"), beta = team("beta");
-  alpha.domain = beta.domain = 73;  // where nobody else is
+  alpha.domain = beta.domain = 73;  // where no one else is
   alpha.note = "first";
   const DdsTeam one(0, alpha);
   CHECK(one.others().empty());

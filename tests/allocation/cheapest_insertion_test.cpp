@@ -23,7 +23,7 @@ TEST(cheapest_insertion_is_that_of_brute_force_while_the_path_grows) {
     for (int c = 0; c < 30; ++c) candidates.push_back(place());
     if (round == 0) candidates.clear();
     std::vector<double> legs;
-    // The way from the start is longer than it looks.
+    // The distance from the start is longer than the straight one.
     const auto distance = [&](std::size_t k, std::size_t c) {
       return (k == 0 ? 1.3 : 1.0) * (path[k] - candidates[c]).norm();
     };

@@ -235,7 +235,7 @@ TEST(makespan_aware_evens_out_and_improvement_never_hurts) {
   CHECK(total_with_mean < total);
 }
 
-TEST(robots_on_their_way_keep_their_routes) {
+TEST(robots_under_way_keep_their_routes) {
   Random random(8);
   const ClusterGraph<Point3> graph(random_clusters(random, kRoom, 14, 3),
                                    random_starts(random, kRoom, 3));

@@ -27,7 +27,7 @@ awk -v e="$(value scanned reconstruction_error_mean_m)" 'BEGIN { exit !(e > 0 &&
 refused surface_navigation --scene tube --reconstruct mls --out out
 refused surface_navigation --scene tube --reconstruct itm --scan-from -0.4 0 0 0.4 0 0 --out out
 refused surface_navigation --scene tube --method dense --faces 100 --out out
-# Every piece once; and blocked triangles that come in sight on the way.
+# Every piece once; and blocked triangles that come in sight under way.
 "$bin/surface_navigation" --quiet --cover --cover-by single --edge 0.2 --out once >once.txt
 [ "$(value once covered_triangles)" = 1.0 ] && [ "$(value once left_strip)" = 0 ]
 seq 100 7 600 >some.txt

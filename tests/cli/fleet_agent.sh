@@ -46,7 +46,7 @@ if mount -t tmpfs -o size=64k none full 2>/dev/null; then
   trap 'rm -rf "$work"' EXIT
 fi
 
-# -- keys: who has none, wrong ones or expired ones is not of the team ------------------------------
+# -- keys: a robot with none, wrong ones or expired ones is not of the team -------------------------
 "$bin/make_fleet_keys" keys "t$$" 2
 "$bin/make_fleet_keys" old "t$$" 2 -1
 refuse --id 1 --join 0 --security old
@@ -63,7 +63,7 @@ one=$!
 two=$!
 trap 'kill -9 $(jobs -pr) 2>/dev/null || true; rm -rf "$work"' EXIT
 until_true 120 lines 1/trajectory.tum 20 && until_true 120 lines 2/trajectory.tum 20 || fail "they do not fly"
-# While they fly: with whom they would not.
+# While they fly: with others they would not.
 refuse --join 60 --security keys --id 1
 grep -q 'alive elsewhere' stderr.txt || fail "$(cat stderr.txt)"
 refuse --join 60 --security keys --id 2 --voxel 0.4
@@ -88,7 +88,7 @@ wait $two || fail "robot 2: $(cat 2.txt)"
 awk -v c="$(value team surface_coverage)" 'BEGIN { exit !(c > 0.95) }'
 [ -s team/report.html ] && [ -s 1/reconstruction.ply ]
 
-# -- who stays away is named, and who is ended writes what it has -----------------------------------
+# -- one that stays away is named, and one that is ended writes what it has ------------------------
 "$bin/fleet_agent" "${common[@]}" --robots 3 --domain $domain --id 3 --join 0 --out 3 >3.txt &
 two=$!
 until_true 120 lines 3/trajectory.tum 5 || fail "it does not fly"

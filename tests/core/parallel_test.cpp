@@ -26,12 +26,12 @@ TEST(every_index_is_called_once_however_short_the_loops) {
 TEST(helpers_that_have_fallen_asleep_wake_up) {
   for (int round = 0; round < 3; ++round) {
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
-    std::vector<std::thread::id> who(4);
-    parallel_for(who.size(), 2, [&](std::size_t i) {
-      who[i] = std::this_thread::get_id();
+    std::vector<std::thread::id> threads(4);
+    parallel_for(threads.size(), 2, [&](std::size_t i) {
+      threads[i] = std::this_thread::get_id();
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     });
-    CHECK(who != std::vector<std::thread::id>(who.size(), std::this_thread::get_id()));
+    CHECK(threads != std::vector<std::thread::id>(threads.size(), std::this_thread::get_id()));
   }
 }
 

@@ -125,7 +125,7 @@ TEST(other_coordinators_and_separate_parts) {
   append(two, transformed(two, Pose(Eigen::Translation3d(5, 0, 0))));
   const auto result = hybrid_area_coverage(two, {3, half + 2, 20}, {}, WavefrontPropagation{});
   CHECK(result.complete);
-  CHECK(!hybrid_area_coverage(two, {3, 20}).complete);  // nobody on the second part
+  CHECK(!hybrid_area_coverage(two, {3, 20}).complete);  // no robot on the second part
   CHECK_THROWS(Error, hybrid_area_coverage(two, {3, 3}));
   CHECK_THROWS(Error, hybrid_area_coverage(two, {}));
   CHECK_THROWS(Error, hybrid_area_coverage(two, {100000}));

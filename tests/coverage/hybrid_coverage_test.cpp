@@ -14,7 +14,7 @@
 using namespace surfleet;
 
 namespace {
-/// Nobody is faster than allowed, nobody leaves the domain.
+/// No robot is faster than allowed, none leaves the domain.
 void legal(const Polygon& domain, const std::vector<TimedPath>& paths, const HybridOptions& o) {
   for (const TimedPath& p : paths)
     for (std::size_t i = 1; i < p.points().size(); ++i) {

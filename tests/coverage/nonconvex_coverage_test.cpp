@@ -29,7 +29,7 @@ void deploys(const char* scene, Planner planner, double range_of_cost) {
   }
   CHECK(cover.converged());
   CHECK(cover.real_cost() < range_of_cost * before);
-  // A constrained centroidal configuration: everybody at the projection of its virtual goal.
+  // A constrained centroidal configuration: every robot at the projection of its virtual goal.
   for (const auto& r : cover.robots()) {
     CHECK((r.real - project_into(cover.domain(), r.virtual_goal)).norm() < 5e-3);
     CHECK(r.constrained == !contains(cover.domain(), r.virtual_goal));
@@ -76,7 +76,7 @@ TEST(projected_gradients_satisfy_the_criterion) {
   CHECK_NEAR((project_gradient({1, 1}, {right, right}) - Point2(0, 1)).norm(), 0.0, 1e-12);
   CHECK_NEAR(project_gradient({1, 0.3}, {right, up, Point2(1, 1).normalized()}).norm(), 0.0, 1e-12);
   CHECK_NEAR((project_gradient({1, 1}, {right, -right}) - Point2(0, 1)).norm(), 0.0, 1e-12);
-  // Nearly parallel, and against each other: the two leave no way but back out of the wedge.
+  // Nearly parallel, and against each other: the two leave no direction but back out of the wedge.
   const Point2 tilted = Point2(-1, 1e-4).normalized();
   CHECK_NEAR(project_gradient({0, 1}, {right, tilted}).dot(tilted), 0.0, 1e-9);
 }

@@ -159,7 +159,7 @@ TEST(a_thin_walls_faces_are_told_apart_by_their_normals) {
   const M3C2Result half = m3c2(core, truth, upper, o);
   CHECK_NEAR(half.distance[0], 0.01, 1e-6);
   CHECK(std::isnan(half.distance[1]));
-  // Without normals, or told not to look at them, all count.
+  // Without normals, or told to ignore them, all count.
   o.sided = false;
   CHECK(std::abs(m3c2(core, truth, made, o).distance[0]) < 0.005);
   o.sided = true;

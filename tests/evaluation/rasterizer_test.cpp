@@ -86,7 +86,7 @@ TEST(a_shadow_falls_beside_a_block) {
   Rasterizer r(frame_box(scene.bounds(), 0.0, radians(90), 101, 101, true), style);
   r.draw(scene);
   const Image image = r.image();
-  // The image's up is world −x when looked at from above at azimuth 0.
+  // The image's up is world −x when seen from above at azimuth 0.
   int dark = 0;
   for (int y = 0; y < 101; ++y)
     for (int x = 0; x < 101; ++x)

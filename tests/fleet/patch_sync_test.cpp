@@ -54,12 +54,12 @@ bool schedule_converges(std::uint64_t seed) {
   Random random(seed);
   const std::size_t robots = 2 + random.below(3);
   Team team = team_of(robots, {.digest_period = 1.0, .first_timeout = 1.0});
-  struct Underway {
+  struct InTransit {
     std::uint64_t due;
     RobotId from, to;
     std::shared_ptr<const Outgoing> message;
   };
-  std::vector<Underway> air;
+  std::vector<InTransit> air;
   const double loss = random.uniform(0.0, 0.7), twice = random.uniform(0.0, 0.3);
   const std::uint64_t delay = 1 + random.below(6);
   std::vector<std::uint64_t> starts, closes(robots, 0);

@@ -93,7 +93,7 @@ TEST(the_graphs_of_a_team_in_and_out_of_touch) {
   team.run(5.0);
   for (RobotId r = 0; r < 3; ++r) {
     CHECK(team.team_of(r).size() == 2 && !team.relays[r].alone(team.clock(r)));
-    CHECK(team.relays[r].counts().relayed <= 6);  // at first nobody knows whom the others hear
+    CHECK(team.relays[r].counts().relayed <= 6);  // at first none knows which others are heard
   }
   const std::uint64_t before = team.relays[0].counts().relayed;
   team.linked = [](RobotId a, RobotId b) { return a == 0 || b == 0; };
@@ -161,13 +161,13 @@ TEST(news_travel_along_a_chain_and_grow_older) {
     last = age;
   }
   CHECK(last > 0.2);
-  // One falls silent: nobody keeps it alive by passing old news on.
+  // One falls silent: none keeps it alive by passing old news on.
   team.mute[3] = 1;
   team.run(25.0);
   CHECK(team.team_of(0) == Ids({1, 2}) && team.team_of(5) == Ids({4}));
 }
 
-TEST(a_cut_one_way_is_gone_around) {
+TEST(a_cut_in_one_direction_is_gone_around) {
   RelayTeam team(3);
   team.linked = [](RobotId a, RobotId b) { return !(a == 0 && b == 1); };
   team.run(8.0);

@@ -61,7 +61,7 @@ TEST(median_spacing_of_a_lattice) {
   CHECK(median_spacing(std::vector<Point3>(1, Point3(0, 0, 0))) == 0.0);
 }
 
-TEST(normals_of_a_ball_look_one_way) {
+TEST(normals_of_a_ball_have_one_side) {
   Random random(6);
   std::vector<Point3> points = ball_surface(random, 3000, 0.002);
   auto normals = plane_normals(points);

@@ -51,7 +51,7 @@ TEST(adjacency_of_good_and_bad_meshes) {
   bad.triangles.push_back({0, 1, 7});
   bad.triangles.push_back({2, 2, 3});
   bad.triangles.push_back({4, 4, 4});
-  bad.vertices.emplace_back(9, 9, 9);  // used by nobody
+  bad.vertices.emplace_back(9, 9, 9);  // used by no triangle
   check_adjacency(bad);
   CHECK(MeshAdjacency(bad).non_manifold_edges().size() >= 1);
   CHECK(!is_closed_and_oriented(bad));
@@ -93,7 +93,7 @@ TEST(welding_closes_a_soup) {
                                 Point3::Constant(shift * static_cast<double>(t % 3)));
         soup.colors.push_back({static_cast<std::uint8_t>(t), 0, 0});
       }
-    soup.vertices.emplace_back(7, 7, 7);  // used by nobody
+    soup.vertices.emplace_back(7, 7, 7);  // used by no triangle
     soup.colors.push_back({0, 0, 0});
     CHECK(!is_closed_and_oriented(soup));
     const TriangleMesh welded = weld_vertices(soup, 10 * shift);

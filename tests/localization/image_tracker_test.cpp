@@ -62,8 +62,8 @@ TEST(images_of_another_size_are_refused) {
 TEST(a_sweep_covers_its_rectangle) {
   double left = 1, right = -1, top = -1, bottom = 1;
   Point2 last = sweep_place(0.3, 0.42, 5, 0.0);
-  for (double way = 0.0; way < 8.0; way += 0.01) {
-    const Point2 p = sweep_place(0.3, 0.42, 5, way);
+  for (double distance = 0.0; distance < 8.0; distance += 0.01) {
+    const Point2 p = sweep_place(0.3, 0.42, 5, distance);
     CHECK((p - last).norm() < 0.0101);
     last = p;
     left = std::min(left, p.x());

@@ -99,7 +99,7 @@ TEST(what_is_learned_can_be_unlearned) {
     integrate({.points = {Point3(1.0, 0, 0)}}, lidar, at, map);
     CHECK_NEAR(odds(), std::min(i * std::log(0.7 / 0.3), std::log(0.971 / 0.029)), 1e-5);
   }
-  // At the bounds nothing changes any more, and nobody has to look again.
+  // At the bounds nothing changes any more, and nothing has to be read again.
   const std::uint64_t before = map.revision();
   CHECK(integrate({.points = {Point3(1.0, 0, 0)}}, lidar, at, map) == 0);
   CHECK(map.revision() == before);

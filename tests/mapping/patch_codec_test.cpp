@@ -55,7 +55,7 @@ Bytes with(Bytes bytes, std::size_t at, const T& value) {
   return bytes;
 }
 constexpr std::size_t kImagesAt = 28, kVoxelAt = 32, kAnchorAt = 48, kBoxAt = 144, kBlocksAt = 168,
-                      kLooksAt = 176, kFailuresAt = 180, kSizeAt = 184, kPackedAt = 188;
+                      kViewsAt = 176, kFailuresAt = 180, kSizeAt = 184, kPackedAt = 188;
 template <typename P>
 bool refused(const Bytes& bytes, const PatchLimits& limits, const P& packer) {
   try {
@@ -160,15 +160,15 @@ TEST(patches_beyond_the_limits_are_refused) {
 
 TEST(notes_that_no_robot_makes_are_refused) {
   const MapPatch patch = random_patch(11, 2);
-  CHECK(patch.notes.looks.size() > 1 && patch.notes.failures.size() > 1);
+  CHECK(patch.notes.views.size() > 1 && patch.notes.failures.size() > 1);
   CHECK(!refused(forged(patch), {.notes = 3}, PlainPacker{}));
   CHECK(refused(forged(patch), {.notes = 2}, PlainPacker{}));
-  for (const bool looks : {false, true}) {
+  for (const bool views : {false, true}) {
     MapPatch half = patch;
-    if (looks)
+    if (views)
       half.notes.failures.clear();
     else
-      half.notes.looks.clear();
+      half.notes.views.clear();
     CHECK(refused(forged(half), {.notes = 2}, PlainPacker{}));
   }
   const auto refuses = [&](auto&& spoil) {
@@ -178,17 +178,17 @@ TEST(notes_that_no_robot_makes_are_refused) {
   };
   CHECK(!refuses([](ViewNotes&) {}));
   CHECK(!refuses([](ViewNotes& n) { n = {}; }));
-  CHECK(refuses([](ViewNotes& n) { n.looks[0].direction = {0, 0, 0}; }));
-  CHECK(refuses([](ViewNotes& n) { n.looks[0].direction = {127, 127, 0}; }));
-  CHECK(refuses([](ViewNotes& n) { n.looks[1] = n.looks[0]; }));
-  CHECK(refuses([](ViewNotes& n) { std::swap(n.looks[0], n.looks[1]); }));
-  CHECK(refuses([](ViewNotes& n) { n.looks[0].place[2] = -(1 << 29) - 1; }));
-  CHECK(refuses([](ViewNotes& n) { n.looks.back().place[0] = 100000; }));  // out of reach
+  CHECK(refuses([](ViewNotes& n) { n.views[0].direction = {0, 0, 0}; }));
+  CHECK(refuses([](ViewNotes& n) { n.views[0].direction = {127, 127, 0}; }));
+  CHECK(refuses([](ViewNotes& n) { n.views[1] = n.views[0]; }));
+  CHECK(refuses([](ViewNotes& n) { std::swap(n.views[0], n.views[1]); }));
+  CHECK(refuses([](ViewNotes& n) { n.views[0].place[2] = -(1 << 29) - 1; }));
+  CHECK(refuses([](ViewNotes& n) { n.views.back().place[0] = 100000; }));  // out of reach
   CHECK(refuses([](ViewNotes& n) { n.failures[0].count = 0; }));
   CHECK(refuses([](ViewNotes& n) { n.failures[1].place = n.failures[0].place; }));
   CHECK(refuses([](ViewNotes& n) { std::swap(n.failures[0], n.failures[1]); }));
   CHECK(refuses([](ViewNotes& n) { n.failures.back().place[0] = 100000; }));
-  for (const std::size_t at : {kLooksAt, kFailuresAt}) {
+  for (const std::size_t at : {kViewsAt, kFailuresAt}) {
     const Bytes good = forged(patch);
     std::uint32_t there = 0;
     std::memcpy(&there, good.data() + at, sizeof(there));
@@ -197,7 +197,7 @@ TEST(notes_that_no_robot_makes_are_refused) {
       CHECK(refused(lying(good, at, many), {}, PlainPacker{}));
     CHECK(refused(lying(good, at, 0xFFFFFFFFU), {.notes = 0xFFFFFFFFU}, PlainPacker{}));
   }
-  // Looks need no images: who is at rest may still have some to tell.
+  // Views in vain need no images: a robot at rest may still have some to tell.
   MapPatch bare = patch;
   bare.blocks.clear();
   bare.images = 0;
@@ -213,7 +213,7 @@ TEST(sizes_that_lie_are_refused_before_memory_is_taken) {
     CHECK(refused(with(good, kSizeAt, huge), {}, PlainPacker{}));
     CHECK(refused(with(good, kPackedAt, huge), {}, PlainPacker{}));
     CHECK(refused(with(good, kSizeAt, huge), {}, RunPacker{}));
-    CHECK(refused(with(good, kLooksAt, huge), {.notes = 0xFFFFFFFFU}, PlainPacker{}));
+    CHECK(refused(with(good, kViewsAt, huge), {.notes = 0xFFFFFFFFU}, PlainPacker{}));
     CHECK(refused(with(good, kFailuresAt, huge), {.notes = 0xFFFFFFFFU}, PlainPacker{}));
   }
   for (const std::int32_t far : {std::numeric_limits<std::int32_t>::min(),

@@ -256,7 +256,7 @@ TEST(patches_moved_by_less_are_resampled) {
     }
   }
   CHECK(hits == 1);
-  // Moved away and home again by the fusion, nothing is left of the way.
+  // Moved away and home again by the fusion, nothing is left of the motion.
   MapPatch named = patch;
   named.id = encode_patch(patch).id;
   PatchFusion fusion;

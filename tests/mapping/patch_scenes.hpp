@@ -19,7 +19,7 @@ inline constexpr double kSheetVoxel = 0.1;
 inline Pose sheet_pose(int shot) {
   const double a = 0.12 * shot + 0.3;
   const Point3 eye(2.5 * std::cos(a), 2.5 * std::sin(a), 0.13);
-  return looking(eye, -eye);
+  return facing(eye, -eye);
 }
 inline std::vector<DepthImage> sheet_images(int count, int first = 0) {
   std::vector<DepthImage> images;
@@ -73,7 +73,7 @@ inline PatchBlock random_patch_block(Random& random, const BlockIndex& index) {
   }
   return b;
 }
-/// Of a few looks and failures about the origin, each once.
+/// Of a few views and failures about the origin, each once.
 inline ViewNotes random_notes(Random& random, int count) {
   ViewNotes notes;
   const auto place = [&] {
@@ -83,7 +83,7 @@ inline ViewNotes random_notes(Random& random, int count) {
   };
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d d(random.normal(), random.normal(), random.normal());
-    notes.looks.push_back({place(), quantised(Eigen::Vector3d(d.normalized()))});
+    notes.views.push_back({place(), quantised(Eigen::Vector3d(d.normalized()))});
     notes.failures.push_back({place(), static_cast<std::uint8_t>(1 + random.below(3))});
   }
   return merged_notes(std::span<const ViewNotes>(&notes, 1));

@@ -14,8 +14,8 @@ namespace surfleet::test {
 inline PinholeCamera sheet_camera() {
   return PinholeCamera::from_fov(radians(80.0), radians(60.0), 160, 110, 0.3, 8.0);
 }
-/// A camera at `eye` that looks along `forward`, not vertically.
-inline Pose looking(const Point3& eye, const Eigen::Vector3d& forward) {
+/// A camera at `eye` whose optical axis is `forward`, not vertical.
+inline Pose facing(const Point3& eye, const Eigen::Vector3d& forward) {
   const Eigen::Vector3d z = forward.normalized();
   const Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
   Pose T = Pose::Identity();
@@ -68,7 +68,7 @@ TsdfMap seen_from_around(const Body& body, double distance, int rounds, double v
   for (int i = 0; i < rounds; ++i) {
     const double a = 2.0 * kPi * (i + 0.37) / rounds;
     const Point3 eye(distance * std::cos(a), distance * std::sin(a), 0.13);
-    const Pose T = looking(eye, -eye);
+    const Pose T = facing(eye, -eye);
     integrate(render(sheet_camera(), T, body), sheet_camera(), T, map);
   }
   return map;

@@ -66,7 +66,7 @@ TsdfMap seen_from_both_sides(const Body& body, const Pose& T_world_slab, int vie
     const double a = 2.0 * kPi * 0.618 * i, side = i % 2 == 0 ? 1.0 : -1.0;
     const Eigen::Vector3d to(0.5 * std::cos(a), 0.5 * std::sin(a), 0.85 * side);
     const Point3 eye = T_world_slab * Point3(3.2 * to);
-    const Pose T = looking(eye, -(T_world_slab.linear() * to));
+    const Pose T = facing(eye, -(T_world_slab.linear() * to));
     integrate(render(sheet_camera(), T, body), sheet_camera(), T, map);
   }
   return map;

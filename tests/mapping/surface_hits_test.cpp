@@ -80,7 +80,7 @@ TEST(a_wall_faced_squarely_weighs_as_much_as_its_distances) {
   for (const double z : {1.5, 3.0, 6.0}) {
     TsdfMap map({.voxel_size = 0.25});
     TsdfIntegrator<> integrate({.truncation = 0.75});
-    const Pose T = looking(Point3(-z, 0, 0), Eigen::Vector3d::UnitX());
+    const Pose T = facing(Point3(-z, 0, 0), Eigen::Vector3d::UnitX());
     const auto wall = [](const Point3& o, const Eigen::Vector3d& d) -> std::optional<double> {
       return (0.11 - o.x()) / d.x();
     };
@@ -121,7 +121,7 @@ TEST(a_sheet_seen_from_both_sides_has_two_sides_and_stays_occupied) {
     TsdfIntegrator<DropOffWeight<>> integrate({.truncation = 0.9}, {.full = 0.3, .zero = 0.45});
     for (int i = 0; i < 40; ++i) {
       const double side = i % 2 == 0 ? 1.0 : -1.0;
-      const Pose T = looking(Point3(at - 2.5 * side, 0.01 * i, 0.1), Point3(side, 0, 0));
+      const Pose T = facing(Point3(at - 2.5 * side, 0.01 * i, 0.1), Point3(side, 0, 0));
       integrate(render(sheet_camera(), T, sheet(at)), sheet_camera(), T, map);
     }
     const VoxelStateMap states(map, {.known_weight = 0.3});
@@ -151,7 +151,7 @@ TEST(a_sheet_seen_from_both_sides_has_two_sides_and_stays_occupied) {
 TEST(what_is_no_longer_there_is_passed_through_and_forgotten) {
   TsdfMap map({.voxel_size = 0.2});
   TsdfIntegrator<DropOffWeight<>> integrate({.truncation = 0.6}, {.full = 0.2, .zero = 0.3});
-  const Pose T = looking(Point3(-1.5, 0, 0), Eigen::Vector3d::UnitX());
+  const Pose T = facing(Point3(-1.5, 0, 0), Eigen::Vector3d::UnitX());
   const auto nothing = [](const Point3&, const Eigen::Vector3d&) {
     return std::optional<double>();
   };

@@ -40,7 +40,7 @@ TEST(a_sheet_seen_from_both_sides_has_two_whole_sides) {
     for (int i = 0; i < 60; ++i) {
       const double side = i % 2 == 0 ? 1.0 : -1.0;
       const Point3 eye(at - 2.0 * side, 0.02 * i - 0.6, 0.1);
-      const Pose T = looking(eye, Point3(at, 0, 0) - eye);
+      const Pose T = facing(eye, Point3(at, 0, 0) - eye);
       integrate(render(sheet_camera(), T, sheet(at)), sheet_camera(), T, map);
     }
     const TriangleMesh mesh = extract_surface(map, {.min_weight = 0.3});

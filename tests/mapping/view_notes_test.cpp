@@ -13,7 +13,7 @@
 using namespace surfleet;
 using namespace surfleet::test;
 
-TEST(looks_in_steps_are_nearly_what_they_were) {
+TEST(view_directions_in_steps_are_nearly_what_they_were) {
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector3d d =
@@ -42,29 +42,29 @@ TEST(notes_merge_in_any_order_and_move_with_their_patch) {
   CHECK_THROWS(Error, merged_notes(parts));
 
   MapPatch patch = random_patch(7, 3);
-  CHECK(!patch.notes.looks.empty() && !patch.notes.failures.empty());
+  CHECK(!patch.notes.views.empty() && !patch.notes.failures.empty());
   const double place = kViewPlaceVoxels * patch.voxel_size;
   Pose T = Pose::Identity();
   T.translation() = Point3(3 * place, -2 * place, place);
   ViewNotes moved = moved_patch(patch, T).notes;
-  CHECK(moved.kind == patch.notes.kind && moved.looks.size() == patch.notes.looks.size());
-  for (std::size_t i = 0; i < moved.looks.size(); ++i) {
-    const VoxelKey& p = patch.notes.looks[i].place;
-    CHECK(moved.looks[i].place == (VoxelKey{p[0] + 3, p[1] - 2, p[2] + 1}));
+  CHECK(moved.kind == patch.notes.kind && moved.views.size() == patch.notes.views.size());
+  for (std::size_t i = 0; i < moved.views.size(); ++i) {
+    const VoxelKey& p = patch.notes.views[i].place;
+    CHECK(moved.views[i].place == (VoxelKey{p[0] + 3, p[1] - 2, p[2] + 1}));
   }
   // A quarter turn about z takes x to y, places and directions alike.
   T = Pose(Eigen::AngleAxisd(0.5 * kPi, Eigen::Vector3d::UnitZ()));
   ViewNotes one;
-  one.looks = {{{4, 1, 0}, {127, 0, 0}}};
+  one.views = {{{4, 1, 0}, {127, 0, 0}}};
   one.failures = {{{4, 1, 0}, 2}};
   moved = moved_notes(one, T, patch.voxel_size);
-  CHECK(moved.looks.size() == 1 && moved.looks[0].place == (VoxelKey{-2, 4, 0}));
-  CHECK(moved.looks[0].direction == (ViewDirection{0, 127, 0}));
+  CHECK(moved.views.size() == 1 && moved.views[0].place == (VoxelKey{-2, 4, 0}));
+  CHECK(moved.views[0].direction == (ViewDirection{0, 127, 0}));
   CHECK(moved.failures[0].place == (VoxelKey{-2, 4, 0}) && moved.failures[0].count == 2);
 
   const std::array<MapPatch, 2> both{patch, patch};
   const ViewNotes coalesced = coalesced_patch(both, {9, 0, 0}).notes;
-  CHECK(coalesced.looks == patch.notes.looks && coalesced.kind == patch.notes.kind);
+  CHECK(coalesced.views == patch.notes.views && coalesced.kind == patch.notes.kind);
   for (std::size_t i = 0; i < coalesced.failures.size(); ++i)
     CHECK(coalesced.failures[i].count == 2 * patch.notes.failures[i].count);
 }

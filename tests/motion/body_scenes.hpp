@@ -48,8 +48,8 @@ FreeSpaceOptions options_for(const Body& body, const Box3& bounds) {
   o.shape = shape;
   return o;
 }
-/// That the body goes through a slot where its ball finds no way, and touches nothing on it, by
-/// looking at all obstacles at every `step` [m] with every heading.
+/// That the body goes through a slot where its ball finds no path, and touches nothing on it, by
+/// testing all obstacles at every `step` [m] with every heading.
 template <typename Body>
 void check_slot(const Body& body, int headings, double step) {
   const Slot slot(0.9);

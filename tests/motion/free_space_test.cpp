@@ -13,7 +13,7 @@ namespace {
 using namespace surfleet;
 using namespace motion_scenes;
 
-/// Whether a voxel is an obstacle, by looking at all voxels around for an occupied one within the
+/// Whether a voxel is an obstacle, by searching all voxels around for an occupied one within the
 /// growth [voxels].
 bool brute_obstacle(const FreeSpace& space, const VoxelIndex& v) {
   const FreeSpaceOptions& o = space.options();
@@ -29,7 +29,7 @@ bool brute_obstacle(const FreeSpace& space, const VoxelIndex& v) {
   });
   return grown;
 }
-/// Distance to the nearest obstacle voxel's centre by looking at all of them within `reach`.
+/// Distance to the nearest obstacle voxel's centre by measuring all of them within `reach`.
 double brute_distance(const FreeSpace& space, const Point3& p, double reach) {
   double best = reach;
   const VoxelIndex lo = space.grid().index_of(p - Point3::Constant(reach));
@@ -214,7 +214,7 @@ TEST(known_free_ball_makes_room_and_keeps_occupied) {
   CHECK(!space.is_free({0, 0, 2}));
 }
 
-TEST(way_out_of_a_place_that_is_not_free) {
+TEST(escape_from_a_place_that_is_not_free) {
   TsdfMap tsdf({.voxel_size = 0.3});
   observe(tsdf, box(-6, -6, -4, 6, 6, 4), Boxes{{box(0, -6, -4, 1, 6, 4)}});
   VoxelStateMap states(tsdf);
@@ -263,7 +263,7 @@ TEST(bodies_of_any_shape) {
   CHECK(wrong == 0);
 }
 
-TEST(keep_out_boxes_block_the_way_and_nothing_else) {
+TEST(keep_out_boxes_block_paths_and_nothing_else) {
   const Box3 closed = box(-0.5, -0.4, -0.35, 0.55, 0.3, 0.6);
   for (const bool unknown : {true, false})
     for (const double margin : {0.0, 0.1, 0.2}) {

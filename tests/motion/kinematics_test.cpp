@@ -101,11 +101,11 @@ TEST(emergency_stop_within_the_stated_distance) {
     AerialMotion twin = robot;
     for (double s = 0.0; s < t; s += 0.05) twin.advance(0.05);
     const Point3 at = twin.configuration().position;
-    const double way = twin.stopping_distance();
+    const double braking = twin.stopping_distance();
     twin.stop();
     for (int i = 0; i < 100; ++i) twin.advance(0.05);
     CHECK(twin.standing());
-    CHECK((twin.configuration().position - at).norm() <= way + 1e-9);
+    CHECK((twin.configuration().position - at).norm() <= braking + 1e-9);
     twin.resume();
     for (int i = 0; i < 600; ++i) twin.advance(0.05);
     CHECK(twin.finished());
@@ -135,7 +135,7 @@ TEST(a_new_path_under_way_keeps_the_limits) {
   }
 }
 
-TEST(who_turns_under_way_goes_straight_on_as_little_as_it_takes) {
+TEST(a_robot_that_turns_under_way_goes_straight_on_as_little_as_it_takes) {
   for (const double degrees : {5.0, 20.0, 45.0, 90.0, 150.0, 179.0}) {
     AerialMotion robot{Configuration{}};
     robot.follow(std::vector<Point3>{{0, 0, 0}, {5, 0, 0}}, 0.0);
@@ -145,17 +145,17 @@ TEST(who_turns_under_way_goes_straight_on_as_little_as_it_takes) {
     const Point3 here = robot.configuration().position;
     const double turn = radians(degrees);
     const Point3 goal = here + 2.0 * Point3(std::cos(turn), 0.0, std::sin(turn));
-    const std::vector<Point3> way = robot.way_onto(std::vector<Point3>{here, goal});
-    CHECK(way.size() == 3 && way.front() == here && way.back() == goal);
-    const double leg = (way[1] - here).norm();
-    CHECK_NEAR((way[1] - here).x(), leg, 1e-12);
-    // Twice the way to a stop at the most, and next to nothing for a gentle turn.
+    const std::vector<Point3> path = robot.path_onto(std::vector<Point3>{here, goal});
+    CHECK(path.size() == 3 && path.front() == here && path.back() == goal);
+    const double leg = (path[1] - here).norm();
+    CHECK_NEAR((path[1] - here).x(), leg, 1e-12);
+    // Twice the stopping distance at the most, and next to nothing for a gentle turn.
     CHECK(leg <= v * v + 1e-9);
     if (degrees <= 20.0) CHECK(leg < 0.5 * v * v);
   }
 }
 
-TEST(looks_where_it_is_told_while_under_way) {
+TEST(faces_where_it_is_told_while_under_way) {
   AerialMotion robot{Configuration{}};
   const Point3 target(3, 5, 0);
   robot.follow(std::vector<Point3>{{0, 0, 0}, {6, 0, 0}}, 2.0,
@@ -192,7 +192,7 @@ TEST(degenerate_paths) {
   CHECK(ground.finished());
 }
 
-/// Sent elsewhere on its way and stopped at once, a robot goes on to where it was sent last.
+/// Sent elsewhere in flight and stopped at once, a robot goes on to where it was sent last.
 template <typename Motion>
 void ends_where_it_was_sent_last() {
   Motion robot;

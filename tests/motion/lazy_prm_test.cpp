@@ -31,7 +31,7 @@ bool path_is_free(const FreeSpace& space, const Path& path) {
 }
 }  // namespace
 
-TEST(finds_the_door_and_a_short_way_through) {
+TEST(finds_the_door_and_a_short_path_through) {
   TwoRooms rooms;
   const VoxelStateMap states(rooms.tsdf);
   FreeSpace space(states, {.radius = 1.0, .bounds = rooms.bounds});
@@ -43,7 +43,7 @@ TEST(finds_the_door_and_a_short_way_through) {
   CHECK((path->points.front() - a).norm() < 1e-12 && (path->points.back() - b).norm() < 1e-12);
   CHECK_NEAR(path->length, polyline_length(path->points), 1e-9);
   CHECK(path_is_free(space, *path));
-  // The taut string bends round the door's edge at no less than radius from it.
+  // The shortest path bends round the door's edge at no less than radius from it.
   const double least = 2.0 * (Point3(-4, -5, 0) - Point3(0, 3.0, 0)).norm();
   CHECK(path->length > least);
   CHECK(path->length < 1.1 * least);
@@ -73,7 +73,7 @@ TEST(distances_bound_and_match_queries) {
 
 TEST(a_robot_leaves_a_place_too_narrow_for_the_lattice) {
   // A body so small that it fits diagonally between obstacles, where no row of voxel centres does.
-  int pockets = 0, ways_out = 0;
+  int pockets = 0, exits = 0;
   for (int round = 0; round < 8; ++round) {
     Random random(static_cast<std::uint64_t>(round));
     const double density = 0.06 + 0.01 * round;
@@ -91,7 +91,7 @@ TEST(a_robot_leaves_a_place_too_narrow_for_the_lattice) {
       const Point3 p = place(), q = place();
       const auto own = set.component(p), home = set.component(q);
       if (!space.is_free(p) || !home) continue;
-      // Brute force: a straight way to a larger piece of the lattice that leads to q?
+      // Brute force: a straight line to a larger piece of the lattice that leads to q?
       bool leads_out = false;
       if (own != home && (!own || set.size(*own) < set.size(*home))) {
         ++pockets;
@@ -102,7 +102,7 @@ TEST(a_robot_leaves_a_place_too_narrow_for_the_lattice) {
                          leads_out |= set.component(v) == home && (c - p).norm() <= 1.0 &&
                                       space.is_free_segment(p, c);
                        });
-        ways_out += leads_out ? 1 : 0;
+        exits += leads_out ? 1 : 0;
       }
       const auto path = roadmap.query(p, q);
       CHECK(path.has_value() == (own == home || leads_out || space.is_free_segment(p, q)));
@@ -113,7 +113,7 @@ TEST(a_robot_leaves_a_place_too_narrow_for_the_lattice) {
               (path->points.back() - q).norm() < 1e-12);
     }
   }
-  CHECK(pockets > 50 && ways_out > 5);
+  CHECK(pockets > 50 && exits > 5);
 }
 
 TEST(repairs_itself_as_the_map_changes) {

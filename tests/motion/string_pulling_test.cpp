@@ -18,7 +18,7 @@ double length_from(const Point3& start, std::vector<Point3> path) {
   return polyline_length(path);
 }
 
-TEST(a_taut_path_is_straight_where_the_slack_allows) {
+TEST(a_pulled_string_is_straight_where_the_slack_allows) {
   const Point3 start(0, 0, 0);
   const std::vector<Point3> places{{2, 0.5, 0}, {4, -0.5, 0}, {6, 0, 0}};
   const std::vector<Point3> path = pulled_string(start, places, 1.0);
@@ -30,7 +30,7 @@ TEST(a_taut_path_is_straight_where_the_slack_allows) {
   CHECK(pulled_string(start, places, 0.0) == places);
 }
 
-TEST(a_taut_path_keeps_within_the_slack_and_is_never_longer) {
+TEST(a_pulled_string_keeps_within_the_slack_and_is_never_longer) {
   Random random(11);
   const auto point = [&] {
     return Point3(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5));
@@ -50,7 +50,7 @@ TEST(a_taut_path_keeps_within_the_slack_and_is_never_longer) {
   }
 }
 
-TEST(a_taut_path_by_one_place_over_and_over) {
+TEST(a_pulled_string_by_one_place_over_and_over) {
   const Point3 start(1, 2, 3);
   for (const Point3& p : pulled_string(start, std::vector<Point3>(5, start), 0.5))
     CHECK(p == start);

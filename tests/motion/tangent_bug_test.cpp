@@ -55,7 +55,7 @@ TEST(reachable_goals_are_reached_with_any_range) {
   }
 }
 
-TEST(an_unlimited_sensor_takes_the_shortest_way_round_one_convex_obstacle) {
+TEST(an_unlimited_sensor_takes_the_shortest_path_round_one_convex_obstacle) {
   const Polygon domain =
       make_polygon({{0, 0}, {10, 0}, {10, 6}, {0, 6}}, {{{4, 1}, {6, 1}, {6, 4}, {4, 4}}});
   TangentBug bug(domain, {1, 3}, {9, 3});

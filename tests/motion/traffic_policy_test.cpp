@@ -146,7 +146,7 @@ TEST(crossing_at_right_angles) {
 }
 
 TEST(the_junior_waits_no_sooner_than_it_has_to) {
-  // Its way crosses the senior's 6 m ahead, when the senior will be there.
+  // Its path crosses the senior's 6 m ahead, when the senior will be there.
   TrafficAgent senior, junior;
   senior.position = {-6, 0, 0};
   senior.path = {senior.position, {6, 0, 0}};
@@ -197,7 +197,7 @@ TEST(random_traffic_in_a_plane) {
   }
 }
 
-TEST(an_idle_robot_makes_way_and_comes_back) {
+TEST(an_idle_robot_gives_way_and_comes_back) {
   expect_good(simulate({{{-10, 0, 0}, {10, 0, 0}}, {{0, 0.2, 0}, {0, 0.2, 0}}}, open_space));
 }
 

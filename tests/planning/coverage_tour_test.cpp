@@ -57,11 +57,11 @@ TEST(tour_of_a_box_sees_what_it_promises_and_is_free) {
         {known.points, known.normals, known.areas}, known.world.bvh, space, roadmap, o.kind.camera,
         start, {.coverage = share, .spacing = 1.0}, forward_camera_mount(), pitches);
     if (!gimbal) reachable = tour.reachable_area;
-    // A gimbal takes no view away, and spares ways to where a level camera sees top and bottom.
+    // A gimbal takes no view away, and spares flights to where a level camera sees top and bottom.
     CHECK(tour.reachable_area >= reachable && (!gimbal || tour.length < last));
     CHECK(std::any_of(tour.viewpoints.begin(), tour.viewpoints.end(),
                       [](const Configuration& q) { return q.pitch != 0.0; }) == gimbal);
-    for (const Configuration& q : tour.looks)
+    for (const Configuration& q : tour.images)
       CHECK(std::find(pitches.begin(), pitches.end(), q.pitch) != pitches.end());
     CHECK(tour.coverage() >= share - 0.01);
     CHECK(tour.reachable_area > 0.8 * known.world.mesh.area());
@@ -100,7 +100,7 @@ TEST(tour_of_a_box_sees_what_it_promises_and_is_free) {
     CHECK_NEAR(flown, tour.length, 1e-6);
     CHECK(held >= 0.5 * static_cast<double>(tour.viewpoints.size()));
     CHECK_THROWS(Error, fly_tour(tour, start, {.speed = 0.0}));
-    // The stops alone and the looks on the way account for what is claimed.
+    // The stops alone and the images en route account for what is claimed.
     CHECK(!tour.viewpoints.empty() && tour.viewpoints.size() < 20);
   }
   CHECK(last < 30.0);

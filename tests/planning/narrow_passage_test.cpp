@@ -67,14 +67,14 @@ TEST(what_can_be_seen_beyond_a_doorway_alone_is_seen_wherever_that_is) {
     }
     CHECK(beyond);
 
-    // So it is with looks at space.
-    FrontierViews looks;
+    // So it is with views of space.
+    FrontierViews views;
     const VoxelIndex corner = SpaceCells(still.states).at({0.15, 0.35, 1.2});
-    FrontierViews::Search search(looks, lattice, still.roadmap, {{key_of(corner)}}, still.states,
+    FrontierViews::Search search(views, lattice, still.roadmap, {{key_of(corner)}}, still.states,
                                  situation.space().headings, 4.0);
-    const auto look = search.best(
+    const auto view = search.best(
         kStart, {}, [](const auto& site) { return is_beyond(site.position) ? 1.0 : 1e6; });
-    CHECK(look && is_beyond(look->configuration.position));
+    CHECK(view && is_beyond(view->configuration.position));
   }
   CHECK(missed > 3);
 }

@@ -31,7 +31,7 @@ struct Followers {
   IncompleteSurface incomplete{{.known_weight = 0.3}};
   FreeSpace free;
   LazyPrmStar roadmap;
-  Frontiers unseen;
+  Frontiers frontiers;
   SurfacePredictor predict;
   ChangedRegions changed;
   SightMemory sights;
@@ -47,7 +47,7 @@ struct Followers {
     incomplete.update(states);
     free.update();
     roadmap.update();
-    unseen.update(states, free.options().bounds, 0.4);
+    frontiers.update(states, free.options().bounds, 0.4);
     sights.forget(changed(states, states, free));
   }
   std::vector<PredictedPatch> predicted() {
@@ -115,10 +115,10 @@ TEST(what_planners_read_and_remember_after_removal_equals_what_is_built_afresh) 
     for (std::size_t i = 0; i < p.size() && i < q.size(); ++i)
       CHECK(p[i].position == q[i].position && p[i].normal == q[i].normal);
     predicted += p.size();
-    fresh.unseen.update(fresh.states, fresh.free.options().bounds, 0.4);
-    CHECK(kept.unseen.size() == fresh.unseen.size());
-    for (std::size_t i = 0; i < kept.unseen.size() && i < fresh.unseen.size(); ++i)
-      CHECK(kept.unseen.center(i) == fresh.unseen.center(i));
+    fresh.frontiers.update(fresh.states, fresh.free.options().bounds, 0.4);
+    CHECK(kept.frontiers.size() == fresh.frontiers.size());
+    for (std::size_t i = 0; i < kept.frontiers.size() && i < fresh.frontiers.size(); ++i)
+      CHECK(kept.frontiers.center(i) == fresh.frontiers.center(i));
     const auto s = kept.shown(), t = fresh.shown();
     CHECK(s == t);
     for (const auto& ids : s) shown += ids.size();

@@ -72,14 +72,14 @@ TEST(lattice_search_stops_when_told_and_finds_nothing_when_shut_in) {
 }
 
 TEST(lattice_search_goes_on_beyond_passages_too_narrow_for_it) {
-  // Four rooms along x; only the caller knows of ways into the others, but the last.
+  // Four rooms along x; only the caller knows of passages into the others, but the last.
   struct Walls {
     static int room(const Point3& p) { return static_cast<int>(p.x() / 5.0); }
     bool is_free(const Point3& p) const { return std::fmod(p.x(), 5.0) < 3.5; }
     bool is_free_segment(const Point3& a, const Point3& b) const { return room(a) == room(b); }
   } walls;
   FlightLattice<Walls> lattice(walls, {Point3(0, 0, 0), Point3(18, 4, 2)}, 1.0);
-  const std::array<double, 4> way{0.0, 30.0, 7.5, std::numeric_limits<double>::infinity()};
+  const std::array<double, 4> length{0.0, 30.0, 7.5, std::numeric_limits<double>::infinity()};
   std::array<std::size_t, 4> asked{}, met{};
   std::array<double, 4> nearest{1e9, 1e9, 1e9, 1e9};
   double last = 0.0;
@@ -103,13 +103,13 @@ TEST(lattice_search_goes_on_beyond_passages_too_narrow_for_it) {
         CHECK(walls.is_free(p) && room > 0);
         ++asked[room];
         if (room < 3) CHECK(p.x() == 5.0 * Walls::room(p) && p.y() == 1.0 && p.z() == 1.0);
-        return way[room];
+        return length[room];
       });
   // One of a room's nodes is asked about, the nearest, and the lattice has the rest from there.
   CHECK(met == (std::array<std::size_t, 4>{60, 60, 60, 0}));
   CHECK(asked == (std::array<std::size_t, 4>{0, 1, 1, 60}));
   CHECK(nearest[1] == 30.0 && nearest[2] == 7.5);
-  const std::vector<VoxelIndex> path = lattice.way_to(end);
+  const std::vector<VoxelIndex> path = lattice.path_to(end);
   CHECK(path.front() == lattice.nearest({5, 1, 1}) && path.back() == end);
   // Whoever has enough is not led on.
   std::size_t visits = 0;
@@ -165,7 +165,7 @@ TEST(lattice_search_follows_the_space_where_it_is_told_to) {
   kept.forget(Box3());
 }
 
-/// Targets of any worth, to be seen from any side, all over a box.
+/// Targets of any gain, to be seen from any side, all over a box.
 std::vector<SightTarget> scattered_targets(Random& random, int count, const Box3& box) {
   std::vector<SightTarget> targets;
   for (int i = 0; i < count; ++i) {
@@ -178,8 +178,8 @@ std::vector<SightTarget> scattered_targets(Random& random, int count, const Box3
   return targets;
 }
 
-TEST(look_bound_is_never_below_what_is_in_view) {
-  // A camera that looks down a little, and targets beyond the lattice on all sides.
+TEST(gain_bound_is_never_below_what_is_in_view) {
+  // A camera that is pitched down a little, and targets beyond the lattice on all sides.
   const PinholeCamera camera =
       PinholeCamera::from_fov(radians(90.0), radians(60.0), 40, 30, 0.8, 4.0);
   Pose mount = forward_camera_mount();
@@ -196,7 +196,7 @@ TEST(look_bound_is_never_below_what_is_in_view) {
   const FlightLattice<Slab> lattice(slab, {Point3(-3, -2, 0), Point3(5, 6, 3)}, 0.7);
   const GainBound most(targets.all(), lattice, headings, targets.reach());
   const std::vector<char> none(targets.size(), 0);
-  double bounds = 0.0, looks = 0.0;
+  double bounds = 0.0, gains = 0.0;
   for (int i = 0; i < 200; ++i) {
     VoxelIndex node;
     for (int axis = 0; axis < 3; ++axis)
@@ -207,10 +207,10 @@ TEST(look_bound_is_never_below_what_is_in_view) {
       CHECK(bound[k] >= seen[k]);
       CHECK(most.in_any_view(node) >= bound[k] - 1e-9);
       bounds += bound[k];
-      looks += seen[k];
+      gains += seen[k];
     }
   }
-  CHECK(looks > 0.1 * bounds);  // and of use
+  CHECK(gains > 0.1 * bounds);  // and of use
   // A single target shows where a box is too small.
   int seen = 0;
   for (int i = 0; i < 400; ++i) {
@@ -231,7 +231,7 @@ TEST(look_bound_is_never_below_what_is_in_view) {
   CHECK(nothing.in_any_view(VoxelIndex::Zero()) == 0.0);
 }
 
-TEST(worth_around_bounds_what_a_look_can_see) {
+TEST(gain_around_bounds_what_a_view_can_see) {
   Random random(3);
   const std::vector<SightTarget> targets =
       scattered_targets(random, 300, {Point3::Constant(-9), Point3::Constant(9)});
@@ -331,7 +331,7 @@ TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
             return gain.seen(q);
           }) == seen_from_all(gain, kept.views));
 
-    // A little of the map changes, a look is in vain, and much more or less can be reached.
+    // A little of the map changes, a view is in vain, and much more or less can be reached.
     const VoxelIndex middle(static_cast<int>(random.below(70)) - 35,
                             static_cast<int>(random.below(70)) - 35, 4);
     for (int k = 0; k < 60; ++k) {
@@ -343,9 +343,9 @@ TEST(what_is_remembered_of_views_is_what_would_be_found_anew) {
                           : random.below(2) == 0         ? VoxelState::occupied
                                                          : VoxelState::unknown);
     }
-    const Viewpoint& look = kept[random.below(kept.size())];
-    ledger.viewed_in_vain(elements[static_cast<std::size_t>(look.targets[0])].voxel,
-                          look.direction);
+    const Viewpoint& view = kept[random.below(kept.size())];
+    ledger.viewed_in_vain(elements[static_cast<std::size_t>(view.targets[0])].voxel,
+                          view.direction);
     wall = random.uniform(6.0, 12.0);
     states.update(map);
     free.update();
@@ -392,7 +392,7 @@ TEST(nobody_is_sent_where_he_cannot_get) {
       options));
 }
 
-TEST(clusters_are_worth_what_their_views_show) {
+TEST(clusters_gain_what_their_views_show) {
   StillMission still = in_hall(among_pillars);
   std::vector<Teammate> robots{{{still.free.free_start(Point3(-8, 0, 1.5)), 0.0}, true, {}}};
   const SurfaceSituation situation = still.situation(robots);
@@ -459,11 +459,11 @@ TEST(a_single_cluster_is_made_finer_for_a_team) {
   CHECK(std::min(c, d) > 3 && c + d == a + b);
 }
 
-TEST(ways_to_views_cost_their_stops_and_their_turns) {
+TEST(paths_to_views_cost_their_stops_and_their_turns) {
   const Configuration a{Point3(0, 0, 1), 3.0}, b{Point3(0, 3, 1), -3.0}, c{Point3(0, 3, 1), 0.0};
   CHECK(StopDistance{}(a, c) == 3.0);
   const StopDistance d{.stop = 1.0, .turn = 2.0};
-  CHECK(d(a, b) == 4.0);  // It turns the short way, and meanwhile.
+  CHECK(d(a, b) == 4.0);  // It turns by the smaller angle, and meanwhile.
   CHECK(std::abs(d(a, c) - (1.0 + 2.0 * 3.0)) < 1e-12 && d(a, c) == d(c, a));
   // Eight views close together: where only lengths count, the one robot beside them has them all.
   const auto stops_of_the_far_one = [](const StopDistance& cost) {
@@ -506,7 +506,7 @@ TEST(rolling_tours_end_where_the_roadmap_leads) {
   }
 }
 
-TEST(unseen_space_is_the_border_of_what_is_known_empty) {
+TEST(frontiers_are_the_border_of_what_is_known_empty) {
   // Empty for x < 3 m, a wall at x = 3 m where y < 0, unknown behind either.
   TsdfMap map({.voxel_size = 0.2});
   map_test::paint(map, {0, -20, -10}, {19, 19, 9}, [](const VoxelIndex& v) {
@@ -571,7 +571,7 @@ TEST(unseen_space_is_the_border_of_what_is_known_empty) {
     CHECK(followed.size() == count);
   }
 }
-TEST(what_unseen_space_held_tells_what_it_may_hold) {
+TEST(what_frontiers_held_tells_what_they_may_hold) {
   // Empty for x < 3 m, unknown behind; cells of 1 m, of which a layer at a time is opened.
   TsdfMap map({.voxel_size = 0.2});
   map_test::paint(map, {0, -20, -20}, {14, 19, 19},
@@ -618,7 +618,7 @@ TEST(what_unseen_space_held_tells_what_it_may_hold) {
   CHECK_THROWS(Error, Frontiers({.prior_chance = 0.0}));
   CHECK_THROWS(Error, Frontiers({.prior_cells = 0.0}));
 }
-TEST(ledger_gives_up_after_so_many_looks) {
+TEST(ledger_gives_up_after_so_many_views) {
   ViewLedger ledger({.max_views = 2, .max_failures = 2});
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::UnitX();
   const VoxelIndex v(1, -2, 3), w(4, 5, 6);
@@ -629,7 +629,7 @@ TEST(ledger_gives_up_after_so_many_looks) {
   ledger.viewed_in_vain(v, side);
   CHECK(ledger.reason(v) == LeftReason::seen_incomplete);
   const std::array<VoxelIndex, 3> one_place{w, VoxelIndex(5, 4, 6), VoxelIndex(4, 4, 7)};
-  ledger.not_reached(one_place);  // one way that was not found, however many elements it led to
+  ledger.not_reached(one_place);  // one path that was not found, however many elements it led to
   CHECK(!ledger.given_up(w));
   ledger.not_reached(one_place);
   CHECK(ledger.reason(w) == LeftReason::unreachable);

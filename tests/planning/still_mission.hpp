@@ -18,7 +18,7 @@ struct Teammate {
   Stops remaining;
 };
 
-/// A team's robots by their places in a list, and those of them who are asked for.
+/// A team's robots by their places in a list, and those of them that are asked for.
 struct Team {
   explicit Team(std::span<const Teammate> mates) {
     for (const Teammate& m : mates) {

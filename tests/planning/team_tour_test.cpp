@@ -41,7 +41,7 @@ struct ListedViews {
     for (std::size_t k = 0; k < kHeadings; ++k) most = std::max(most, gain(s, k));
     return loose ? 1.5 * most + 0.1 : most;
   }
-  double look(std::size_t s, double enough, GainByView& by_view) {
+  double evaluate(std::size_t s, double enough, GainByView& by_view) {
     for (std::size_t k = 0; k < kHeadings; ++k) by_view[k] = gain(s, k);
     const double most = by_view.most();
     if (loose && most < enough) {
@@ -101,7 +101,7 @@ TEST(the_first_stop_of_a_team_is_the_one_that_pays_best) {
     all.team[1].goal = 7;
     all.team[2].distance[3] = std::numeric_limits<double>::infinity();
     double best = 0.0;
-    std::size_t who = 0;
+    std::size_t robot = 0;
     for (std::size_t r = 0; r < 3; ++r)
       for (std::size_t s = 0; s < all.sites.size(); ++s)
         for (std::size_t k = 0; k < kHeadings; ++k) {
@@ -110,13 +110,13 @@ TEST(the_first_stop_of_a_team_is_the_one_that_pays_best) {
           const double keep = r == 1 && s == 7 ? 1.5 : 1.0;
           const double rate =
               all.views.gain(s, k) / ((all.team[r].distance[s] + 0.7) / keep + 0.2 * turn);
-          if (rate > best) who = r;
+          if (rate > best) robot = r;
           best = std::max(best, rate);
         }
     const auto tours = all.tours({.stop_cost = 0.7, .turn_cost = 0.2, .keep = 1.5});
     CHECK(tours.size() == 3 && tours[0].size() == 1 && tours[1].size() == 1 &&
           tours[2].size() == 1);
-    CHECK_NEAR(tours[who].at(0).rate, best, 1e-12);
+    CHECK_NEAR(tours[robot].at(0).rate, best, 1e-12);
     CHECK(tours[0][0].rate <= best && tours[1][0].rate <= best && tours[2][0].rate <= best);
     CHECK(tours[2][0].site != 3);
   }
@@ -183,7 +183,7 @@ TEST(what_robots_were_told_they_are_told_again_where_nothing_has_changed) {
         for (const TeamTourStop& stop : first[r]) all.team[r].told.push_back(stop.site);
         std::sort(all.team[r].told.begin(), all.team[r].told.end());
       }
-      // What was told to nobody has become a little better.
+      // What was told to no robot has become a little better.
       for (double& thing : all.views.things) thing *= 1.0 + extra;
       for (const auto& tour : first)
         for (const TeamTourStop& stop : tour)
@@ -244,7 +244,7 @@ TEST(exchanged_stops_show_the_same_and_cost_no_more) {
     const auto tours = exchanged.tours({.exchange = true});
     after += cost(tours, exchanged, b);
     CHECK(a == b && tours[0].size() <= 20 && tours[1].size() <= 20 && tours[2].size() <= 20);
-    // What a robot is on its way to stays with it.
+    // What a robot is flying to stays with it.
     Scattered with_goal = spread();
     const auto first = spread().tours({});
     with_goal.team[1].goal = first[1].front().site;
@@ -256,7 +256,7 @@ TEST(exchanged_stops_show_the_same_and_cost_no_more) {
   CHECK(after < 0.99 * before);
 }
 
-TEST(a_tour_takes_the_small_on_the_way_to_the_broad) {
+TEST(a_tour_takes_the_small_en_route_to_the_broad) {
   // The broad pays best and is far off; alone it would be flown to at once.
   const auto row = [](int stops) {
     Scattered all;
@@ -345,11 +345,11 @@ TEST(an_optimistic_lattice_leads_through_what_is_not_known_to_be_blocked) {
   };
   search();
   CHECK(seen == known.size() && below > 0 && above > 2 * below);
-  const std::vector<VoxelIndex> way = hope.way_to(top);
-  CHECK(way.back() == top && (known.position(way.front()) - start).norm() < 1.5);
+  const std::vector<VoxelIndex> path = hope.path_to(top);
+  CHECK(path.back() == top && (known.position(path.front()) - start).norm() < 1.5);
   double up = 0.0;
   Point3 at = start;
-  for (const VoxelIndex& c : way) {
+  for (const VoxelIndex& c : path) {
     const Eigen::Vector3d step = known.position(c) - at;
     CHECK(step.cwiseAbs().maxCoeff() < 0.6 + 1e-9);
     const bool free = known.is_free(c);
@@ -372,7 +372,7 @@ TEST(an_optimistic_lattice_leads_through_what_is_not_known_to_be_blocked) {
   CHECK(seen == left);
 }
 
-TEST(the_look_that_opens_a_way_shows_what_a_body_needs_of_it) {
+TEST(the_view_that_opens_a_path_shows_what_a_body_needs_of_it) {
   TsdfMap map({.voxel_size = 0.3});
   paint_hall(map, [](const VoxelIndex&) { return false; });
   StillMission still(map, kBody, PinholeCamera::from_fov(1.2, 1.0, 160, 120, 0.1, 4.0),
@@ -382,37 +382,38 @@ TEST(the_look_that_opens_a_way_shows_what_a_body_needs_of_it) {
   const std::vector<Teammate> robots{{{start, 0.0}, true, {}}};
   const SurfaceSituation situation = still.situation(robots);
   const auto reach = still.roadmap.reach_from(start);
-  const std::vector<Point3> way{Point3(0, 0, 1.2), Point3(0, 0, 1.8), Point3(0, 0, 2.4),
-                                Point3(0, 0, 3.0)};
+  const std::vector<Point3> path{Point3(0, 0, 1.2), Point3(0, 0, 1.8), Point3(0, 0, 2.4),
+                                 Point3(0, 0, 3.0)};
   OpeningViews opens;
-  int looks = 0;
+  int taken = 0;
   std::set<VoxelKey> shown;
-  while (const auto look = opens(situation, lattice, reach, robots[0].configuration, start, way)) {
-    CHECK(++looks < 200);
-    CHECK(look->targets.empty() && reach(look->configuration.position));
-    // Unknown cells beside the way are in the image.
+  while (const auto found =
+             opens(situation, lattice, reach, robots[0].configuration, start, path)) {
+    CHECK(++taken < 200);
+    CHECK(found->targets.empty() && reach(found->configuration.position));
+    // Unknown cells beside the path are in the image.
     const ViewFrustum frustum(still.camera, still.mount);
-    const auto view = frustum.at(look->configuration);
+    const auto view = frustum.at(found->configuration);
     SpaceCells cells(still.states);
     std::size_t count = 0;
-    for (std::size_t k = 1; k < way.size(); ++k)
-      cells.has_room(way[k], still.free.required_distance(), [&](const VoxelKey& c) {
+    for (std::size_t k = 1; k < path.size(); ++k)
+      cells.has_room(path[k], still.free.required_distance(), [&](const VoxelKey& c) {
         const Point3 p = cells.center(VoxelIndex(c[0], c[1], c[2]));
         if (!view.contains(p)) return;
         ++count;
         shown.insert(c);
       });
     CHECK(count > 0);
-    if (looks > 200) break;
+    if (taken > 200) break;
   }
   // The map stands still, so in the end all is given up.
-  CHECK(looks >= 3 && !shown.empty());
+  CHECK(taken >= 3 && !shown.empty());
   const std::vector<Point3> open{Point3(0, 0, 0.5), Point3(1, 0, 0.5)};
   CHECK(!OpeningViews()(situation, lattice, reach, robots[0].configuration, start, open));
 }
 
-TEST(robots_open_the_way_to_what_they_cannot_see_yet) {
-  // A box high above, seen from elsewhere, of which a side is not; no look from below reaches it.
+TEST(robots_open_the_path_to_what_they_cannot_see_yet) {
+  // A box high above, seen from elsewhere, of which a side is not; no view from below reaches it.
   TsdfMap map({.voxel_size = 0.3});
   paint_hall(map, [](const VoxelIndex& v) {
     return (v - VoxelIndex(0, 0, 24)).cwiseAbs().maxCoeff() <= 1;
@@ -469,7 +470,7 @@ TEST(views_gain_what_is_in_sight_and_not_taken_however_much_is_enough) {
   }
   const SightTargets<> targets(list, MapSight(states), headings);
   MapSight through(states);
-  through.look_through_unknown();
+  through.see_through_unknown();
   const SightTargets<> hoped(list, through, headings);
   const ViewsInVain vain;
   LatticeViews views(targets, lattice, headings, vain, 0.7);
@@ -490,7 +491,7 @@ TEST(views_gain_what_is_in_sight_and_not_taken_however_much_is_enough) {
     const double best = truth.most();
     CHECK(views.most(s) >= best - 1e-9);
     const double enough = random.uniform(0.0, 1.5) * best;
-    const double most = views.look(s, enough, gain);
+    const double most = views.evaluate(s, enough, gain);
     CHECK(most >= best - 1e-9);
     if (most <= enough) {
       CHECK(best <= enough + 1e-9);
@@ -512,7 +513,7 @@ TEST(views_gain_what_is_in_sight_and_not_taken_however_much_is_enough) {
   CHECK(enough_said > 200 && told > 200);
 }
 
-TEST(a_gimbal_looks_at_what_is_above_its_shaft) {
+TEST(a_gimbal_views_what_is_above_its_shaft) {
   // Of a plate 1.3 m above the highest place in a shaft 1.6 m wide, the underside is incomplete.
   TsdfMap map({.voxel_size = 0.3});
   const auto near = [](const VoxelIndex& v, int r) {
@@ -547,7 +548,7 @@ TEST(a_gimbal_looks_at_what_is_above_its_shaft) {
       level.pitch = 0.0;
       CHECK(!frustum.at(level).may_contain(p, 0.3));
     }
-    // Nobody else is sent to look at the same, nor the robot once more when it is there.
+    // No other is sent to view the same, nor the robot once more when it is there.
     const std::vector<Teammate> two{{route[0].configuration, false, route},
                                     {{Point3(-0.4, -0.4, 0.5), 0.0}, true, {}}};
     const Stops second = planner(still.situation(two)).routes.at(1);
@@ -567,19 +568,19 @@ TEST(the_beginning_of_a_route_that_pays_best_counts) {
   Random random(7);
   for (int round = 0; round < 200; ++round) {
     BestBeginning best;
-    double gain = 0.0, way = 0.0, most = 0.0;
+    double gain = 0.0, distance = 0.0, most = 0.0;
     for (int k = 0; k < 6; ++k) {
       const double g = random.uniform(0.0, 5.0), w = random.uniform(0.1, 9.0);
       best.add(g, w);
       gain += g;
-      way += w;
-      most = std::max(most, gain / way);
+      distance += w;
+      most = std::max(most, gain / distance);
     }
-    CHECK_NEAR(best.outlook().gain / best.outlook().way, most, 1e-12);
+    CHECK_NEAR(best.outlook().gain / best.outlook().distance, most, 1e-12);
   }
   BestBeginning at_once;  // what takes no flight pays more than anything that does
   at_once.add(1e-3, 0.0);
   at_once.add(1e3, 1.0);
-  CHECK(at_once.outlook().way == 0.0);
+  CHECK(at_once.outlook().distance == 0.0);
 }
 }  // namespace

@@ -36,7 +36,7 @@ TEST(a_body_is_judged_between_the_instants) {
       judge_rod({{Point3(-0.9, 0, 0), 0.5}, {Point3(-0.9, 0, 0), -0.5}, {Point3(-0.9, 0, 0), 0.5}});
   CHECK(turned.collisions_with_scene == 2 && turned.collisions == 5);
   CHECK(turned.min_clearance_m == 0.0);
-  // The shorter way round, which passes π.
+  // By the smaller angle, which passes π.
   const JudgeReport round = judge_rod({{Point3(-1.2, 0, 0), 2.6}, {Point3(-1.2, 0, 0), -2.6}});
   CHECK(round.collisions_with_scene == 0);
   CHECK_NEAR(round.min_clearance_m, 1.2, 1e-9);

@@ -73,16 +73,16 @@ TEST(climbing_scenes_have_their_sizes) {
     CHECK_NEAR(box.max().z(), 1.0, 1e-9);
     CHECK_NEAR(box.max().x(), 2.4, 1e-9);
     CHECK_NEAR(box.min().z(), -0.5, 0.01);
-    // Tube, ring of the step, wide section, and the branch with the mean height of its foot, less
+    // Tube, ring of the step, wide section, and the branch with the mean height of its base, less
     // the tube's wall inside it (its area by the integral over the disc).
-    double wall = 0.0, foot = 0.0;
+    double wall = 0.0, base = 0.0;
     for (int k = 0; k < 2000; ++k) {
       const double y = 0.2 * (2.0 * (k + 0.5) / 2000 - 1.0);
       wall += 2.0 * std::sqrt(0.04 - y * y) * 0.4 / std::sqrt(0.16 - y * y) * 0.4 / 2000;
-      foot += std::sqrt(0.16 - 0.04 * std::pow(std::sin(2.0 * kPi * k / 2000), 2)) / 2000;
+      base += std::sqrt(0.16 - 0.04 * std::pow(std::sin(2.0 * kPi * k / 2000), 2)) / 2000;
     }
     const double area =
-        2 * kPi * 0.4 * 1.9 + kPi * (0.25 - 0.16) + kPi * 0.5 + 2 * kPi * 0.2 * (1.0 - foot) - wall;
+        2 * kPi * 0.4 * 1.9 + kPi * (0.25 - 0.16) + kPi * 0.5 + 2 * kPi * 0.2 * (1.0 - base) - wall;
     CHECK_NEAR(mock.area(), area, 0.6 * edge);
     if (edge < 0.03) CHECK_NEAR(mock.area(), area, 0.02);
   }

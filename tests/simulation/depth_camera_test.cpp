@@ -13,7 +13,7 @@ namespace {
 PinholeCamera test_camera() {
   return PinholeCamera::from_fov(radians(90), radians(60), 64, 43, 1.6, 8.0);
 }
-/// A wall x = `x`, seen by a camera at the origin that looks along +x.
+/// A wall x = `x`, seen by a camera at the origin with its optical axis along +x.
 TriangleMesh wall(double x) {
   TriangleMesh mesh;
   mesh.vertices = {{x, -50, -50}, {x, 50, -50}, {x, 50, 50}, {x, -50, 50}};
@@ -55,7 +55,7 @@ TEST(depth_out_of_range) {
 }
 
 TEST(no_surface_at_the_end_of_the_range) {
-  // Open space, looked at from one place: nothing in it is near a surface.
+  // Open space, viewed from one place: nothing in it is near a surface.
   const DepthCamera<> camera(test_camera());
   TsdfMap map({.voxel_size = 0.25});
   TsdfIntegrator<> integrate({.truncation = 0.75});

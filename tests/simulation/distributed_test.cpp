@@ -102,7 +102,7 @@ TEST(one_robot_is_the_single_architecture_bit_by_bit) {
   }
   CHECK(different == 0 && single.size() > 100);
 }
-TEST(what_one_robot_looked_at_in_vain_no_other_looks_at) {
+TEST(what_one_robot_viewed_in_vain_no_other_views) {
   box_world::Glass world;
   for (const char* name : {"perfect", "wifi"}) {
     MissionOptions o = box_world::options(world);
@@ -112,18 +112,18 @@ TEST(what_one_robot_looked_at_in_vain_no_other_looks_at) {
         [&](RobotId) { return make_planner("tsga", {.standoff = 2.0}); });
     const DistributedResult r = simulation.run();
     CHECK(r.mission.complete && r.maps_equal);
-    std::map<VoxelKey, std::set<RobotId>> who_looked;
-    ViewLedger all(o.belief.looks);
+    std::map<VoxelKey, std::set<RobotId>> viewers;
+    ViewLedger all(o.belief.ledger);
     const auto& patches = simulation.robot(0).patches();
     patches.held().for_each_beyond({}, [&](const PatchKey& key) {
       const ViewNotes notes = patches.patch(key).notes;
       all.add(notes);
-      for (const auto& look : notes.looks) who_looked[look.place].insert(key.robot);
+      for (const auto& view : notes.views) viewers[view.place].insert(key.robot);
       return true;
     });
-    const auto again = std::count_if(who_looked.begin(), who_looked.end(),
+    const auto again = std::count_if(viewers.begin(), viewers.end(),
                                      [](const auto& place) { return place.second.size() > 1; });
-    CHECK(!who_looked.empty() && again == 0);
+    CHECK(!viewers.empty() && again == 0);
     for (RobotId id = 0; id < 3; ++id) CHECK(simulation.robot(id).belief().ledger() == all);
   }
 }

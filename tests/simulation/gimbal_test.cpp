@@ -32,7 +32,9 @@ struct FixedBody {
     drone->follow(path, yaw, watch);
   }
   void watch(double yaw) { drone->watch(yaw); }
-  std::vector<Point3> way_onto(std::span<const Point3> path) const { return drone->way_onto(path); }
+  std::vector<Point3> path_onto(std::span<const Point3> path) const {
+    return drone->path_onto(path);
+  }
   void stop() { drone->stop(); }
   void resume() { drone->resume(); }
   std::vector<Point3> remaining() const { return drone->remaining(); }
@@ -58,8 +60,8 @@ TEST(a_gimbal_turns_at_its_rate_whatever_the_body_does) {
       level(world, 1, fleet, limits, o.neighbours);
   for (auto* drone : {&tilting, &level}) {
     const Point3 from = drone->estimate().position;
-    const std::vector<Point3> way{from, from + Point3(0, 0, 2.0)};
-    drone->follow(way, 1.0, std::nullopt);
+    const std::vector<Point3> path{from, from + Point3(0, 0, 2.0)};
+    drone->follow(path, 1.0, std::nullopt);
   }
   tilting.tilt(1.0);
   double before = 0.0, fastest = 0.0;

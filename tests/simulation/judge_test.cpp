@@ -22,7 +22,7 @@ TEST(judge_sees_what_happens_between_the_instants) {
   const Bvh post(make_cylinder({0, 0, -5}, {0, 0, 5}, 0.2, 64));
   Judge judge(post, 1.0);
   judge.observe(std::vector<Point3>{{-10, 1.1, 0}});
-  judge.observe(std::vector<Point3>{{10, 1.1, 0}});  // hull overlaps the post by 0.1 on the way
+  judge.observe(std::vector<Point3>{{10, 1.1, 0}});  // hull overlaps the post by 0.1 in passing
   CHECK(judge.report().collisions_with_scene == 1);
   CHECK_NEAR(judge.report().min_clearance_m, -0.1, 2e-3);
   judge.observe(std::vector<Point3>{{10, 5, 0}});
@@ -73,7 +73,7 @@ TEST(judge_agrees_with_dense_sampling) {
   }
 }
 
-TEST(a_robot_that_is_gone_is_in_nobodys_way) {
+TEST(a_robot_that_is_gone_is_not_in_the_way) {
   const ArchetypeDistance ground;
   std::vector<std::vector<Point3>> paths{{{0, 0, 5}, {10, 0, 5}, {20, 0, 5}},
                                          {{20, 0, 5}, {20, 0, 5}, {20, 0, 5}}};

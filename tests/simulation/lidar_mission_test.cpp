@@ -26,7 +26,7 @@ MissionOptions lidar_options() {
       TsdfIntegrator({}, drop_off_by_voxels(o.belief.voxel_size, ConstantWeight{}));
   return o;
 }
-/// Nobody hits the box or a teammate, nobody turns, and the box is mapped.
+/// No robot hits the box or a teammate, none turns, and the box is mapped.
 void judge_lidar_mission(const MissionResult& result, const TsdfMap& map) {
   const box_world::World box;
   for (std::size_t r = 0; r < result.trajectories.size(); ++r)

@@ -73,15 +73,15 @@ TEST(robots_go_home_when_what_is_left_pays_too_little) {
   const MissionResult none = fly_within({.least_gain = 1e6}, 2).result;
   check_home(none);
   for (const StopReason r : none.stop_reasons) CHECK(r == StopReason::enough);
-  CHECK(none.left_out && none.left_out->gain < 1e6 * none.left_out->way);
+  CHECK(none.left_out && none.left_out->gain < 1e6 * none.left_out->distance);
   const MissionResult all = fly_within({.least_gain = 1e-9}, 1).result;
   check_home(all);
   CHECK(all.complete && all.path_length[0] > all.path_at_work[0] && !all.left_out);
-  // Nobody goes home as long as there is work for another that pays.
+  // No robot goes home as long as there is work for another that pays.
   const MissionResult some = fly_within({.least_gain = 2.0}, 2).result;
   check_home(some);
   CHECK(!some.complete && some.enough() && some.left_area > 0.0);
-  CHECK(some.left_out && some.left_out->gain < 2.0 * some.left_out->way);
+  CHECK(some.left_out && some.left_out->gain < 2.0 * some.left_out->distance);
   CHECK(some.coverage.share() > none.coverage.share());
 }
 TEST(robots_that_plan_for_themselves_go_home_once_all_agree) {

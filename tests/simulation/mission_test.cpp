@@ -43,7 +43,7 @@ MissionResult fly(int robots, const AnyPlanner& planner, int threads, double lea
   o.threads = threads;
   AnyMission mission(o, world, box_world::starts(robots), planner);
   MissionResult result = mission.run();
-  // Nobody hits the box or a teammate.
+  // No robot hits the box or a teammate.
   for (std::size_t r = 0; r < result.trajectories.size(); ++r)
     for (std::size_t k = 0; k < result.trajectories[r].size(); ++k) {
       const Point3& p = result.trajectories[r][k].configuration.position;
@@ -55,7 +55,7 @@ MissionResult fly(int robots, const AnyPlanner& planner, int threads, double lea
   CHECK(box_world::mapped_share(world, mission.map(), 1e-6F) > least);
   CHECK(result.complete && result.plans > 0);
   for (const double length : result.path_length) CHECK(length > 2.0);
-  // Nothing is left that nobody tried.
+  // Nothing is left untried.
   CHECK(result.reasons.count(LeftReason::not_attempted) == 0);
   std::size_t reasons = 0;
   for (const auto& [reason, count] : result.reasons) reasons += count;
@@ -144,7 +144,7 @@ TEST(a_centralised_fleet_counts_images_poses_and_routes) {
     CHECK(result.traffic.routes == (robots > 1 ? told : 0));
   }
 }
-TEST(a_stop_that_may_not_last_as_long_as_it_should_is_a_look_in_vain) {
+TEST(a_stop_that_may_not_last_as_long_as_it_should_is_a_view_in_vain) {
   box_world::Glass world;
   MissionOptions options = box_world::options(world);
   options.agent.image_period = 4.0;  // three images in the longest stay
@@ -154,24 +154,24 @@ TEST(a_stop_that_may_not_last_as_long_as_it_should_is_a_look_in_vain) {
   const MissionResult result = mission.run();
   CHECK(result.complete && result.path_length[0] > 2.0);
   CHECK(result.reasons.count(LeftReason::not_attempted) == 0);
-  CHECK(result.reasons.size() > 0);  // the glass, which was looked at
+  CHECK(result.reasons.size() > 0);  // the glass, which was viewed
 }
-TEST(looks_at_space_widen_what_is_known_and_come_to_an_end) {
+TEST(frontier_views_widen_what_is_known_and_come_to_an_end) {
   World world;
   const MissionOptions o = box_world::options(world);
   Simulation<NoPlan, World> still(o, world, box_world::starts(2));
   still.run();
-  WithFrontierViews<NoPlan> looks(NoPlan{}, {.distance = 2.0});
-  AnyMission mission(o, world, box_world::starts(2), std::ref(looks));
+  WithFrontierViews<NoPlan> views(NoPlan{}, {.distance = 2.0});
+  AnyMission mission(o, world, box_world::starts(2), std::ref(views));
   const MissionResult result = mission.run();
   CHECK(result.complete);
-  CHECK(looks.looks() > 0);
+  CHECK(views.views_ordered() > 0);
   CHECK(result.total_path_length() > 1.0);
   CHECK(mission.map().block_count() > still.map().block_count());
 }
-TEST(a_part_that_stands_by_itself_is_found_in_unseen_space) {
+TEST(a_part_that_stands_by_itself_is_found_by_frontiers) {
   World world;
-  // Out of the camera's range from anywhere that the first box is looked at from.
+  // Out of the camera's range from anywhere that the first box is viewed from.
   const Point3 middle(12.0, 0.0, 1.0);
   append(world.mesh, make_box({middle - Point3::Ones(), middle + Point3::Ones()}));
   world.bvh = Bvh(world.mesh);
@@ -188,7 +188,7 @@ TEST(a_part_that_stands_by_itself_is_found_in_unseen_space) {
   CHECK(finds_it(InterestOptions{}.frontier_gain));
   CHECK(!finds_it(0.0));
 }
-/// Says how often in a row robots are sent to look once more from where they have just looked.
+/// Says how often in a row robots are sent to view once more from where they have just viewed.
 struct Again {
   RollingTours inner;
   int* longest = nullptr;
@@ -206,12 +206,12 @@ struct Again {
     return result;
   }
 };
-TEST(one_robot_reconstructs_a_box_by_rolling_tours_and_does_not_look_twice_from_one_place) {
+TEST(one_robot_reconstructs_a_box_by_rolling_tours_and_does_not_view_twice_from_one_place) {
   int longest = 0;
   fly(1, Again{RollingTours(), &longest}, 1, 0.8);
   CHECK(longest <= 1);
 }
-/// Where nobody can be, for so many plans; then what a planner that works says.
+/// Where no robot can be, for so many plans; then what a planner that works says.
 struct NowhereFirst {
   int wrong = 0;
   int* calls = nullptr;
@@ -314,7 +314,7 @@ struct Twice {
     return b;
   }
 };
-TEST(reordered_stops_are_the_same_stops_on_a_shorter_way) {
+TEST(reordered_stops_are_the_same_stops_on_a_shorter_path) {
   double saved = 0.0;
   World world;
   Twice planner;

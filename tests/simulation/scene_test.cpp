@@ -101,7 +101,7 @@ TEST(robots_stay_above_the_foot_of_a_structure_outdoors_unless_told_otherwise) {
   CHECK(usual.mesh.triangles == free.mesh.triangles);
   CHECK(scene_from_mesh(box, {.floor = 1.5}).bounds.min().z() == 2.5);
   CHECK(scene_from_mesh(box, {.floor = -50.0}).bounds.min().z() == -8.0);
-  // Told otherwise: by bounds, by a ground, by a start below the foot or just above it.
+  // Told otherwise: by bounds, by a ground, by a start below the base or just above it.
   const Box3 bounds(Point3(-9, -9, -5), Point3(9, 9, 9));
   CHECK(scene_from_mesh(box, {.bounds = bounds}).bounds.min().z() == -5.0);
   CHECK(scene_from_mesh(box, {.bounds = bounds, .floor = 0.0}).bounds.min().z() == 1.0);
@@ -149,7 +149,7 @@ TEST(starts_have_the_clearance_that_is_asked_for_or_are_refused_with_what_would_
     CHECK(why(yard, 3, 3.3).empty() && why(yard, 5, most).empty() &&
           !why(yard, 5, most + 0.02).empty());
   }
-  // Without a start, a place is looked for that has it; where there is none, the best is taken.
+  // Without a start, a place that has it is sought; where there is none, the best is taken.
   for (const double wanted : {0.0, 3.0, 4.5, 6.0}) {
     const Scene found = scene_from_mesh(mesh, {.start_clearance = wanted});
     CHECK(Bvh(mesh).distance(found.station.position) >= wanted);

@@ -67,7 +67,7 @@ TEST(ninety_eight_headings) {
   CHECK(!planner.cell_at({0, 0, 0}, 1.0));
 }
 
-TEST(curvature_cost_is_of_the_bend_across_the_way) {
+TEST(curvature_cost_is_of_the_bend_across_the_path) {
   const Eigen::Vector3d n(0, 0, 1), bent = Eigen::Vector3d(0.3, 0, 1).normalized();
   // Along the bend the robot's y is its axis.
   CHECK_NEAR(DensePlanner::bend(n, bent, {0, 1, 0}), 0.0, 1e-9);
@@ -147,7 +147,7 @@ TEST(a_star_agrees_with_dijkstra_and_with_relaxation) {
   CHECK_NEAR(*std::min_element(first, first + DensePlanner::kHeadings), path->cost, 1e-12);
 }
 
-// [004 Fig. 8.11]: each weight alone has its way around, or along, the hole.
+// [004 Fig. 8.11]: each weight alone has its path around, or along, the hole.
 TEST(each_cost_has_its_path_around_a_hole) {
   const CloudTokens cloud = cloud_tokens(tube_with_hole());
   const FeatureMaps maps(cloud, 0.06);
@@ -239,7 +239,7 @@ TEST(steps_are_climbed_all_around) {
     const auto path = planner(*a, *b);
     CHECK(path && path->length < 0.7);
     sum += path ? path->length : 1e9;
-    // Both edges are known, in order, and square to the way there and back.
+    // Both edges are known, in order, and square to the path there and back.
     for (const bool down : {false, true}) {
       const SmoothPath smooth = smoothed(planner, cloud, *(down ? planner(*b, *a) : path));
       CHECK(smooth.crossings.size() == 2 && smooth.worst_attack() < radians(8.0));

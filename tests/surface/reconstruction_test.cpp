@@ -30,7 +30,7 @@ long euler_characteristic(const TriangleMesh& mesh) {
          static_cast<long>(MeshAdjacency(mesh).edge_count()) +
          static_cast<long>(mesh.triangles.size());
 }
-bool runs_one_way(const TriangleMesh& mesh) {
+bool is_oriented(const TriangleMesh& mesh) {
   const MeshAdjacency adjacency(mesh);
   std::vector<int> balance(adjacency.edge_count(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -59,7 +59,7 @@ void reconstruction_laws(const R& reconstruct) {
   const std::vector<Point3> same(9, Point3(0.1, 0.2, 0.0));
   CHECK(reconstruct(std::vector<Scan>{{same, sensor}}).triangles.size() < 200);
   CHECK_THROWS(Error, reconstruct(std::vector<Scan>{{{Point3(0, std::nan(""), 0)}, sensor}}));
-  // A flat plate seen from above: triangles look up, edges have two at most, all points are near.
+  // A flat plate seen from above: triangles face up, edges have two at most, all points are near.
   Random random(3);
   Scan plate{{}, sensor};
   for (int i = 0; i < 3000; ++i)
@@ -68,7 +68,7 @@ void reconstruction_laws(const R& reconstruct) {
   CHECK(mesh.area() > 0.9);
   CHECK(mesh.area() < 1.2);
   CHECK(MeshAdjacency(mesh).non_manifold_edges().empty());
-  CHECK(runs_one_way(mesh));
+  CHECK(is_oriented(mesh));
   bool up = true, flat = true;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) up = up && mesh.area_vector(t).z() > 0.0;
   for (const Point3& v : mesh.vertices) flat = flat && std::abs(v.z()) < 4e-5;
@@ -98,7 +98,7 @@ TEST(scan_triangulation_goes_round_and_keeps_the_points) {
     CHECK(euler_characteristic(mesh) == 0);
     CHECK(mesh_borders(mesh).size() == 2);
     CHECK(MeshAdjacency(mesh).non_manifold_edges().empty());
-    CHECK(runs_one_way(mesh));
+    CHECK(is_oriented(mesh));
     bool faces = true;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       faces = faces && mesh.area_vector(t).dot(sensor - mesh.centroid(t)) > 0.0;
@@ -147,7 +147,7 @@ TEST(moving_least_squares_averages_noise_and_keeps_openings) {
   CHECK(euler_characteristic(mesh) == 0);
   CHECK(mesh_borders(mesh).size() == 2);
   CHECK(MeshAdjacency(mesh).non_manifold_edges().empty());
-  CHECK(runs_one_way(mesh));
+  CHECK(is_oriented(mesh));
   double error = 0.0;
   for (const Point3& v : mesh.vertices) error += std::abs(v.tail<2>().norm() - radius);
   CHECK(error / static_cast<double>(mesh.vertices.size()) < 0.008);
@@ -163,10 +163,10 @@ TEST(moving_least_squares_averages_noise_and_keeps_openings) {
   const TriangleMesh again = reconstruct(scans);
   CHECK(again.vertices == mesh.vertices);
   CHECK(again.triangles == mesh.triangles);
-  // Without sensors the same surface, whichever way it looks.
-  const TriangleMesh unseen = reconstruct(std::vector<Scan>{scan});
-  CHECK(euler_characteristic(unseen) == 0);
-  CHECK(runs_one_way(unseen));
+  // Without sensors the same surface, of either orientation.
+  const TriangleMesh unsided = reconstruct(std::vector<Scan>{scan});
+  CHECK(euler_characteristic(unsided) == 0);
+  CHECK(is_oriented(unsided));
 }
 
 TEST(moving_least_squares_distance_is_a_plane_s) {
@@ -260,7 +260,7 @@ TEST(greedy_projection_closes_what_is_closed) {
   CHECK(euler_characteristic(tube) == 0);
   CHECK(mesh_borders(tube).size() == 2);
   CHECK(MeshAdjacency(tube).non_manifold_edges().empty());
-  CHECK(runs_one_way(tube));
+  CHECK(is_oriented(tube));
   CHECK_NEAR(tube.area(), 2.0 * kPi * 0.35 * 1.5, 0.2);
   for (std::size_t t = 0; t < tube.triangles.size(); ++t)
     CHECK(tube.area_vector(t).tail<2>().normalized().dot(tube.centroid(t).tail<2>().normalized()) *
@@ -269,7 +269,7 @@ TEST(greedy_projection_closes_what_is_closed) {
 }
 
 TEST(greedy_projection_keeps_sheets_apart) {
-  // Two plates closer than their spacing that look away from one another.
+  // Two plates closer than their spacing that face away from one another.
   PointCloud cloud;
   Random random(6);
   for (int i = 0; i < 25; ++i)

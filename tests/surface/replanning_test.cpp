@@ -77,7 +77,7 @@ TEST(replanned_strips_cost_what_new_ones_do) {
   }
 }
 
-TEST(replanning_ends_where_no_way_is) {
+TEST(replanning_ends_where_no_path_is) {
   const TriangleMesh plane = make_plane(Box2(Point2(0, 0), Point2(1, 1)), 0.0, 8, 8);
   const SurfacePoint start{0}, goal{static_cast<std::int32_t>(plane.triangles.size()) - 1};
   StripReplanner plan(plane, goal);

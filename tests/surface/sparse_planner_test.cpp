@@ -108,7 +108,7 @@ TEST(quadrics_know_a_saddle) {
 }
 
 TEST(quadrics_keep_to_one_sheet_and_ask_for_spread) {
-  // The underside of a plate, 1 cm below, looks away from it.
+  // The underside of a plate, 1 cm below, faces away from it.
   Random random(9);
   PointCloud plate;
   for (int i = 0; i < 3000; ++i) {
@@ -239,7 +239,7 @@ TEST(drives_heed_saliency) {
   CHECK(highest({}) > 1e-3);
 }
 
-// On a lattice with every point a sample, the tree is the shortest way over its own edges.
+// On a lattice with every point a sample, the tree is the shortest path over its own edges.
 TEST(trees_over_all_points_are_shortest) {
   PointCloud plate;
   const int side = 9;
@@ -318,7 +318,7 @@ TEST(edges_do_not_span_a_slit) {
 }
 
 TEST(sparse_paths_do_not_jump) {
-  // Two plates 20 cm apart, and a lid 2 cm above one that looks the other way.
+  // Two plates 20 cm apart, and a lid 2 cm above one that faces the other way.
   PointCloud plates = sampled(4000, 0.0, 6, [](Random& random, Point3& p, Eigen::Vector3d& n) {
     n = Eigen::Vector3d::UnitZ();
     p = Point3(random.uniform(0, 0.5) + (random.uniform() < 0.5 ? 0.0 : 0.7),

@@ -128,7 +128,7 @@ TEST(the_field_is_continuous_where_vertices_are_shared) {
   }
 }
 
-TEST(paths_of_the_field_are_hardly_longer_than_taut_ones) {
+TEST(paths_of_the_field_are_hardly_longer_than_shortest_ones) {
   const TriangleMesh mesh = bumpy_slope({.edge = 0.05});
   const SurfaceWalk walk(mesh);
   const GeodesicStrips strips(walk);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/surface/geodesic_strip.hpp>
+#include <surfleet/surface/strip_path.hpp>
 #include <surfleet/surface/strip_search.hpp>
-#include <surfleet/surface/taut_strip.hpp>
 #include <surfleet/surface/triangle_strip.hpp>
 
 #include <surfleet/core/random.hpp>
@@ -61,11 +61,11 @@ TEST(unfolding_keeps_every_length) {
   CHECK_THROWS(Error, unfold(mesh, std::vector<std::int32_t>{0, 100}));
 }
 
-// On a plane the taut path of any strip that can be moved about is the straight line.
+// On a plane the shortened path of any strip that can be moved about is the straight line.
 TEST(a_plane_gives_straight_lines) {
   const TriangleMesh mesh = make_plane(Box2(Point2(0, 0), Point2(3, 2)), 1.0, 17, 13);
   const SurfaceWalk walk(mesh);
-  const TautStrips taut(walk);
+  const StripShortener shortener(walk);
   const GeodesicStrips strips(walk);
   const StripSearch search(mesh), midpoints(mesh, {}, StripNodes::edge_midpoints);
   Random random(11);
@@ -77,9 +77,9 @@ TEST(a_plane_gives_straight_lines) {
       CHECK(strip.has_value());
       if (!strip) continue;
       CHECK(strip->cost >= exact - 1e-12);
-      const SurfacePath within = taut.within(strip->triangles, a, b);
+      const SurfacePath within = shortener.within(strip->triangles, a, b);
       CHECK(within.length() >= exact - 1e-12 && within.length() <= strip->cost + 1e-12);
-      const SurfacePath path = taut.shortened(strip->triangles, a, b);
+      const SurfacePath path = shortener.shortened(strip->triangles, a, b);
       check_path(mesh, path);
       CHECK_NEAR(path.length(), exact, 1e-9);
     }
@@ -93,7 +93,7 @@ TEST(a_plane_gives_straight_lines) {
 TEST(the_funnel_is_the_shortest_path_in_the_strip) {
   const TriangleMesh mesh = bumpy_slope({.edge = 0.15});
   const SurfaceWalk walk(mesh);
-  const TautStrips taut(walk);
+  const StripShortener shortener(walk);
   Random random(4);
   for (int run = 0; run < 40; ++run) {
     std::vector<std::int32_t> triangles{
@@ -105,7 +105,7 @@ TEST(the_funnel_is_the_shortest_path_in_the_strip) {
         triangles.push_back(in / 3);
     }
     const SurfacePoint a{triangles.front(), {0.2, 0.5, 0.3}}, b{triangles.back(), {0.3, 0.3, 0.4}};
-    const double length = taut.within(triangles, a, b).length();
+    const double length = shortener.within(triangles, a, b).length();
     // Dynamic programming over fine samples of every gate.
     constexpr int kSamples = 200;
     const UnfoldedStrip strip = unfold(mesh, triangles);
@@ -264,7 +264,7 @@ TEST(ends_that_lie_on_corners_and_edges) {
       }
 }
 
-TEST(no_way_is_no_strip) {
+TEST(no_path_is_no_strip) {
   TriangleMesh mesh = make_plane(Box2(Point2(0, 0), Point2(1, 1)), 0.0, 3, 3);
   append(mesh, make_plane(Box2(Point2(2, 0), Point2(3, 1)), 0.0, 3, 3));
   const SurfaceWalk walk(mesh);
@@ -276,7 +276,7 @@ TEST(no_way_is_no_strip) {
   CHECK(StripSearch(mesh)(a, a)->triangles.size() == 1);
 }
 
-TEST(taut_paths_on_a_rough_surface_are_not_longer_than_their_graph) {
+TEST(shortened_paths_on_a_rough_surface_are_not_longer_than_their_graph) {
   const TriangleMesh mesh = clean_surface(steam_chest(0.06));
   const SurfaceWalk walk(mesh);
   const GeodesicStrips strips(walk);
@@ -293,11 +293,11 @@ TEST(taut_paths_on_a_rough_surface_are_not_longer_than_their_graph) {
     check_path(mesh, *path);
     CHECK(path->length() <= strip->cost);
     CHECK(path->length() >= (a.position(mesh) - b.position(mesh)).norm() - 1e-12);
-    CHECK(strips.taut().shortened(strip->triangles, a, b).length() <=
-          strips.taut().within(strip->triangles, a, b).length() + 1e-12);
+    CHECK(strips.shortener().shortened(strip->triangles, a, b).length() <=
+          strips.shortener().within(strip->triangles, a, b).length() + 1e-12);
     // A path that bends about no vertex is a straight walk.
     std::vector<StripCorner> corners;
-    taut_path_in_strip(mesh, unfold(mesh, path->triangles), path->start, path->goal, &corners);
+    shortest_path_in_strip(mesh, unfold(mesh, path->triangles), path->start, path->goal, &corners);
     if (!corners.empty()) continue;
     ++straight;
     const SurfacePose pose = surface_pose(mesh, path->start, path->points[1] - path->points[0]);

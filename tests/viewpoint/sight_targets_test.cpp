@@ -128,7 +128,7 @@ TEST(nothing_is_seen_through_a_wall_and_little_through_the_unknown) {
   CHECK(seen == std::vector<std::int32_t>({1, 3}));
 }
 
-TEST(worth_counts_what_is_not_done) {
+TEST(gain_counts_what_is_not_done) {
   const TsdfMap map = walled_room();
   const VoxelStateMap states(map);
   const std::vector<SightTarget> targets{{Point3(4.5, 2.0, 5.0), Eigen::Vector3d::Zero(), 2.0, 0},

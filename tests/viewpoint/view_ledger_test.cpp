@@ -59,13 +59,13 @@ TEST(equal_notes_are_equal_ledgers_in_any_order_and_after_removal) {
     for (int i = 0; i < 50; ++i) {
       const VoxelIndex v = random_voxel(random);
       const Eigen::Vector3d d = random_direction(random);
-      CHECK(part.reason(v) == rest.reason(v) && part.looks(v) == rest.looks(v));
+      CHECK(part.reason(v) == rest.reason(v) && part.views_in_vain(v) == rest.views_in_vain(v));
       CHECK(part.promises(v, d) == rest.promises(v, d));
     }
   }
 }
 
-TEST(what_others_looked_at_in_vain_is_given_up_here) {
+TEST(what_others_viewed_in_vain_is_given_up_here) {
   const VoxelIndex v(1, 2, 3);
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::UnitX();
   ViewLedger a({.max_views = 2}), b({.max_views = 2});
@@ -74,9 +74,9 @@ TEST(what_others_looked_at_in_vain_is_given_up_here) {
   b.add(first);
   CHECK(!b.has_news());  // theirs is theirs to tell
   CHECK(!b.fresh(v) && !b.given_up(v) && !b.promises(v, up) && b.promises(v, side));
-  // Nearly the same look is none more, whoever takes it.
+  // Nearly the same view is none more, whichever robot takes it.
   b.viewed_in_vain(v, (up + 0.05 * side).normalized());
-  CHECK(!b.has_news() && b.looks(v) == 1);
+  CHECK(!b.has_news() && b.views_in_vain(v) == 1);
   ViewLedger c({.max_views = 2});
   c.viewed_in_vain(v, (up + 0.05 * side).normalized());
   b.add(c.take_news());
@@ -84,7 +84,7 @@ TEST(what_others_looked_at_in_vain_is_given_up_here) {
   b.viewed_in_vain(v, side);
   CHECK(b.reason(v) == LeftReason::seen_incomplete);
   b.remove(first);
-  CHECK(b.given_up(v));  // c looked from there, too
+  CHECK(b.given_up(v));  // c viewed from there, too
   CHECK_THROWS(Error, b.remove(first));
 
   ViewLedger twice({.max_views = 1});
@@ -103,7 +103,7 @@ TEST(what_others_looked_at_in_vain_is_given_up_here) {
   CHECK(!found.given_up(v));
   found.not_reached(std::span<const VoxelIndex>(&v, 1));
   CHECK(found.reason(v) == LeftReason::unreachable);
-  // Who has given up notes no more of it: no patches without end.
+  // One that has given up notes no more of it: no patches without end.
   static_cast<void>(found.take_news());
   found.not_reached(std::span<const VoxelIndex>(&v, 1));
   CHECK(!found.has_news());

@@ -84,7 +84,7 @@ TEST(a_free_wall_gets_the_ideal_poses) {
   CHECK(same(inside, generate_viewpoints(std::span(elements), states, kCamera, options, is_free)));
 }
 
-TEST(a_floor_is_looked_at_from_the_side_within_the_image) {
+TEST(a_floor_is_viewed_from_the_side_within_the_image) {
   const TsdfMap map = floor_scene(30, 24);
   const VoxelStateMap states(map);
   const auto elements = elements_of(map);
@@ -97,7 +97,7 @@ TEST(a_floor_is_looked_at_from_the_side_within_the_image) {
     check_promises(set, elements, states, options, is_free);
     CHECK(set.unseen.empty());
   }
-  // A camera that looks up never sees a floor.
+  // A camera that faces up never sees a floor.
   const ViewpointOptions up{.distance = 4.0, .T_body_camera = forward_camera_mount(-1.4)};
   const ViewpointSet none =
       generate_viewpoints(std::span(elements), states, kCamera, up, AlwaysTrue{});
@@ -211,7 +211,7 @@ Viewpoint view_at(const Point3& p, double yaw, std::int32_t target) {
 TEST(near_views_merge_into_their_mean) {
   const std::vector<Viewpoint> views = {view_at({0, 0, 1}, kPi - 0.05, 4),
                                         view_at({0.2, 0, 1}, -kPi + 0.05, 2),
-                                        view_at({0.1, 0.1, 1}, 0.0, 1),  // looks the other way
+                                        view_at({0.1, 0.1, 1}, 0.0, 1),  // faces the other way
                                         view_at({3, 0, 1}, kPi, 0)};     // far away
   const auto merged = merge_viewpoints(views);
   CHECK(merged.size() == 3);
@@ -271,7 +271,7 @@ TEST(views_come_from_sides_that_promise_something) {
   const auto elements = elements_of(map);
   ViewpointOptions options{.distance = 4.0};
   options.known_eye = false;
-  // A look along n̄_v was in vain for all of them.
+  // A view along n̄_v was in vain for all of them.
   const auto promises = [](const IncompleteElement& e, const Eigen::Vector3d& direction) {
     return e.direction.dot(direction) < std::cos(radians(30));
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Where simulated bodies are in truth, over DDS: for what simulates cameras and sight, and
-/// for nobody else.
+/// @brief Where simulated bodies are in truth, over DDS: for what simulates cameras and sight
+/// alone.
 #pragma once
 
 #include <dds/dds.h>

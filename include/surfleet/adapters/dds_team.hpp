@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief A robot's place in a team on DDS (Eclipse Cyclone DDS): its participant, who else is
-/// there, and who may write what.
+/// @brief A robot's place in a team on DDS (Eclipse Cyclone DDS): its participant, which others are
+/// there, and which may write what.
 ///
 ///     const auto team = std::make_shared<DdsTeam>(3, DdsOptions{.team = "alpha", .peers =
 ///     {"10.0.0.4"}}); DdsTransport air(team); for (const std::string& note : team->others()) …
 ///
 /// A robot writes to partitions of its own, `TEAM/robot/I` and `TEAM/body/I`, its number counted
-/// from 1, and is known by them. With a folder of keys, as `make_fleet_keys` makes it, who writes
-/// where is proved, and what is written is encrypted; without, it is only said.
+/// from 1, and is known by them. With a folder of keys, as `make_fleet_keys` makes it, which robot
+/// writes where is proved, and what is written is encrypted; without, it is only said.
 #pragma once
 
 #include <dds/dds.h>
@@ -43,7 +43,7 @@ struct DdsOptions {
   std::uint32_t domain = 0;                       ///< 0 to 230.
   std::string team = "surfleet";                  ///< Letters, digits, _ and -.
   std::vector<std::string> peers{"127.0.0.1"};    ///< Hosts that are asked for others.
-  double lease = 3.0;                             ///< Who is silent for so long is gone [s].
+  double lease = 3.0;                             ///< A robot silent for so long is gone [s].
   RobotId robots = 64;                            ///< Ids are below this.
   std::size_t most_bytes = std::size_t{1} << 24;  ///< Of a message; longer ones are not read.
   std::string note{};                ///< What others are told of this robot when they find it.
@@ -180,7 +180,7 @@ class DdsTeam {
   dds_entity_t participant() const { return participant_; }
 
   /// The notes of all others in the domain that are there now, of whatever team; with keys, of
-  /// those alone that have proved who they are and write something.
+  /// those alone that have proved their identity and write something.
   std::vector<std::string> others() const {
     dds_guid_t own{};
     dds_get_guid(participant_, &own);
@@ -285,7 +285,7 @@ class DdsTeam {
     plugin("crypto", "dds_security_crypto", "crypto");
     plugin("access", "dds_security_ac", "access_control");
   }
-  /// The domain with its configuration, for as long as anybody uses it.
+  /// The domain with its configuration, for as long as it is in use.
   static std::shared_ptr<dds_entity_t> shared_domain(const DdsOptions& options) {
     static std::mutex mutex;
     static std::map<std::uint32_t, std::weak_ptr<dds_entity_t>> domains;

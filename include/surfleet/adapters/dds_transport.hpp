@@ -105,8 +105,8 @@ class DdsTransport {
   static constexpr const char* kRoom = "robot";
   static constexpr std::uint32_t kKeptPatches = 16;
 
-  /// States are worth only their newest, digests reach who comes late, patches come once: who was
-  /// away asks for them.
+  /// Of states only the newest counts, digests reach robots that come late, patches come once: a
+  /// robot that was away asks for them.
   static detail::DdsQos quality(MessageKind kind) {
     detail::DdsQos qos(dds_create_qos());
     const bool state = kind == MessageKind::state, digest = kind == MessageKind::digest;

@@ -44,7 +44,7 @@ struct RatioUtility {
 };
 static_assert(UtilityPolicy<ExponentialUtility> && UtilityPolicy<RatioUtility>);
 
-/// Configurations that are visited together, and what seeing from all of them is worth.
+/// Configurations that are visited together, and the gain of the views from all of them.
 template <typename P>
 struct ConfigurationCluster {
   std::vector<P> configurations;  ///< At least one.
@@ -113,7 +113,7 @@ static_assert(ClusterRouting<MatrixRouting>);
 
 /// The edge e_UV of the cluster graph: the 6-tuple of eq. 2.2.
 ///
-/// τ_k^l is the way from `exit` to `entry`; τ_l^m is `ClusterGraph::inside_path(entry)`.
+/// τ_k^l is the path from `exit` to `entry`; τ_l^m is `ClusterGraph::inside_path(entry)`.
 struct ClusterEdge {
   int exit = -1;   ///< k: the configuration of U (or −1, the robot's start) that is left.
   int entry = -1;  ///< l: the configuration of V that is nearest to it.
@@ -135,7 +135,7 @@ template <typename P, UtilityPolicy Utility = ExponentialUtility,
           typename Distance = EuclideanDistance, TourSolver PathSolver = ThreeOpt>
 class ClusterGraph {
  public:
-  /// `distance(a, b)` [m] may be infinite: there is no way. Utilities are one for all robots, or
+  /// `distance(a, b)` [m] may be infinite: there is no path. Utilities are one for all robots, or
   /// one each. Throws `Error` for an empty cluster or a gain that is not positive and finite.
   ClusterGraph(std::vector<ConfigurationCluster<P>> clusters, std::vector<P> robot_starts,
                std::vector<Utility> utilities = {Utility{}}, Distance distance = {},
@@ -257,7 +257,7 @@ class ClusterGraph {
     }
     return l;
   }
-  double length_inside(const P& a, const P& b) const { return std::min(distance_(a, b), kNoWay); }
+  double length_inside(const P& a, const P& b) const { return std::min(distance_(a, b), kNoPath); }
   /// Weight of the minimum spanning tree of a cluster, by Prim [m].
   double least_inside(int cluster) const {
     double& least = least_inside_[cluster];
@@ -302,8 +302,8 @@ class ClusterGraph {
     return in;
   }
 
-  // Stands for "no way" inside a cluster, where tours need finite lengths.
-  static constexpr double kNoWay = 1e9;
+  // Stands for "no path" inside a cluster, where tours need finite lengths.
+  static constexpr double kNoPath = 1e9;
 
   std::vector<ConfigurationCluster<P>> clusters_;
   std::vector<P> starts_;

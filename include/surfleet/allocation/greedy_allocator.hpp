@@ -21,7 +21,7 @@
 #include <surfleet/allocation/route.hpp>
 
 namespace surfleet {
-/// Who goes where.
+/// Which robot visits what.
 struct FleetPlan {
   std::vector<std::vector<int>> routes;  ///< Clusters in the order of their visit, per robot.
   std::vector<double> utilities;         ///< p^i, per robot.
@@ -236,8 +236,8 @@ struct MakespanAware {
   }
 };
 
-/// What robots that are still on their way have been given before: one route per robot, empty for
-/// a robot that is free.
+/// What robots still under way have been given before: one route per robot, empty for a robot that
+/// is free.
 struct AlreadyAssigned {
   std::vector<std::vector<int>> routes;
 };
@@ -278,7 +278,7 @@ void check_partition(const G& graph, const std::vector<std::vector<int>>& routes
 
 /// Gives clusters to robots one after the other, each where the rule likes it best.
 ///
-/// A cluster to which a robot has no way (infinite travel from its start) is not offered to that
+/// A cluster to which a robot has no path (infinite travel from its start) is not offered to that
 /// robot. TSGA solves O(robots · clusters) tours; with one robot to serve it solves one.
 template <typename SetFunction = TourUtility<LinKernighan>, typename Order = NearestFirst,
           AllocationConstraint Constraint = PartitionMatroid, typename Rule = BestMarginal>
@@ -288,8 +288,8 @@ struct GreedyAllocator {
   Constraint constraint{};
   Rule rule{};
 
-  /// The plan for all robots; or, where some are on their way, for the free ones with the clusters
-  /// that nobody has: the routes given stay as they are [000 §3.5.1, asynchronous allocation].
+  /// The plan for all robots; or, where some are under way, for the free ones with the clusters
+  /// that no robot has: the routes given stay as they are [000 §3.5.1, asynchronous allocation].
   template <ClusterRouting G>
   requires RouteSetFunction<SetFunction, G> && ElementOrder<Order, G> FleetPlan
   operator()(const G& graph, const AlreadyAssigned& assigned = {}) const {
@@ -324,7 +324,7 @@ struct GreedyAllocator {
   }
 
  private:
-  /// The constraint, and that there is a way.
+  /// The constraint, and that there is a path.
   template <typename G>
   struct Reachable {
     std::reference_wrapper<const G> graph;

@@ -29,7 +29,7 @@ HamiltonianPath shortest_hamiltonian_path(const CostMatrix& lengths, int start,
   Tour tour = lengths.size() <= 8 ? ExactTour{}(problem) : solver(problem);
   return {std::move(tour.order), tour.length};
 }
-/// The same from node 0 for lengths that are told by `length(i, j)`, i > j, and alike both ways.
+/// The same from node 0 for lengths that are told by `length(i, j)`, i > j, and symmetric.
 template <TourSolver Solver = ThreeOpt, typename Length>
 HamiltonianPath shortest_hamiltonian_path(int nodes, Length&& length, const Solver& solver = {}) {
   CostMatrix lengths(nodes);

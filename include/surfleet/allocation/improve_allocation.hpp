@@ -18,7 +18,7 @@ template <typename O>
 concept FleetObjective = std::copyable<O> && requires(const O& o, const std::vector<Route>& r) {
   { o(r) } -> std::same_as<std::pair<double, double>>;
 };
-/// The largest sum of values: the objective of TSGA [000 eq. 3.1]; then the shortest total way.
+/// The largest sum of values: the objective of TSGA [000 eq. 3.1]; then the shortest total length.
 struct TotalValue {
   std::pair<double, double> operator()(const std::vector<Route>& routes) const {
     double value = 0.0, length = 0.0;
@@ -40,7 +40,7 @@ struct Makespan {
   }
 };
 /// The longest time plus `mean_weight` times the mean of all: for plans that are made anew before
-/// they end, where a way saved counts later, and flying far only to be even does not pay.
+/// they end, where distance saved counts later, and flying far only to be even does not pay.
 struct MakespanAndMean {
   RouteTime time{};
   double mean_weight = 3.0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief One robot's order of clusters, what it is worth, and the set functions that value a set
-/// of clusters by the best order found for it.
+/// @brief One robot's order of clusters, its value, and the set functions that value a set of
+/// clusters by the best order found for it.
 #pragma once
 
 #include <algorithm>
@@ -40,7 +40,7 @@ Route follow(const G& graph, int robot, std::vector<int> order) {
   return route;
 }
 
-/// What a route is worth: its utility, or its shortness. `measure(route)`, the greater the better.
+/// The value of a route: its utility, or its shortness. `measure(route)`, the greater the better.
 template <typename M>
 concept RouteMeasure = std::copyable<M> && requires(const M& m, const Route& route) {
   { m(route) } -> std::convertible_to<double>;
@@ -68,9 +68,9 @@ concept RouteSetFunction = std::copyable<F> &&
 };
 
 namespace detail {
-/// `order` with `cluster` where it is worth most, by exact valuation of every place. The visits
-/// behind the new one are followed only until they end where they ended before. O(n) to O(n²)
-/// hops.
+/// `order` with `cluster` where its value is greatest, by exact valuation of every place. The
+/// visits behind the new one are followed only until they end where they ended before. O(n) to
+/// O(n²) hops.
 template <ClusterRouting G, RouteMeasure Measure>
 Route best_insertion(const G& graph, int robot, std::span<const int> order, int cluster,
                      Measure measure) {
@@ -103,7 +103,7 @@ Route best_insertion(const G& graph, int robot, std::span<const int> order, int 
   return route;
 }
 
-/// Takes every cluster of a route out and puts it back where it is worth most.
+/// Takes every cluster of a route out and puts it back where the value is greatest.
 template <ClusterRouting G, RouteMeasure Measure>
 void reinsert(const G& graph, int robot, Route& route, Measure measure) {
   std::vector<int> rest;

@@ -58,7 +58,8 @@ struct EuclideanDistance {
   }
 };
 
-/// `T_body_camera` of a camera that looks along the body's x axis, tilted down by `pitch` [rad].
+/// `T_body_camera` of a camera whose optical axis is the body's x axis, tilted down by `pitch`
+/// [rad].
 inline Pose forward_camera_mount(double pitch = 0.0, const Point3& offset = Point3::Zero()) {
   Eigen::Matrix3d optical;  // columns: camera x (right), y (down), z (forward) in the body frame
   optical << 0, 0, 1, -1, 0, 0, 0, -1, 0;

@@ -30,8 +30,9 @@ struct NeighbourMessage {
 /// Lloyd's algorithm on robots that exchange positions with their Voronoi neighbours alone.
 ///
 /// A robot learns of a new neighbour from an old one: the neighbours of its neighbours come with
-/// their answers, and who cuts its cell is asked next. `discover` finds the first neighbours, once,
-/// as robots that are switched on together would. Each round costs O(k) questions for k neighbours.
+/// their answers, and one that cuts its cell is asked next. `discover` finds the first neighbours,
+/// once, as robots that are switched on together would. Each round costs O(k) questions for k
+/// neighbours.
 class DistributedLloyd {
  public:
   DistributedLloyd(Polygon domain, std::vector<Point2> robots)
@@ -46,7 +47,7 @@ class DistributedLloyd {
   const std::vector<Point2>& positions() const { return positions_; }
   const VoronoiCell& cell(std::size_t i) const { return cells_[i]; }
 
-  /// Everybody asks its neighbours where they are and computes its own cell.
+  /// Every robot asks its neighbours where they are and computes its own cell.
   void exchange() {
     bool changed = true;
     for (int round = 0; changed && round < 64; ++round, ++round_) {
@@ -57,8 +58,8 @@ class DistributedLloyd {
       for (std::size_t i = 0; i < positions_.size(); ++i) changed = update(i) || changed;
     }
   }
-  /// Everybody moves towards its centroid, by `share` of the way; then tables are brought up to
-  /// date.
+  /// Every robot moves towards its centroid, by `share` of the distance; then tables are brought up
+  /// to date.
   double move(double share = 1.0) {
     double largest = 0.0;
     for (std::size_t i = 0; i < positions_.size(); ++i) {
@@ -83,7 +84,7 @@ class DistributedLloyd {
                   .to = static_cast<RobotId>(to),
                   .payload = std::move(message)});
   }
-  /// All tell everyone who has asked what they know now.
+  /// All tell each robot that has asked what they know now.
   void answer_all() {
     std::vector<std::vector<Message<NeighbourMessage>>> questions;
     for (std::size_t i = 0; i < positions_.size(); ++i)

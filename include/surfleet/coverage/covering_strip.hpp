@@ -68,7 +68,7 @@ class StripTour {
     hop_ = list.empty() ? 0.0 : sum / static_cast<double>(list.size());
     near_.resize(name_.size());
     std::vector<double> best(name_.size(), ShortestPaths::kUnreached);
-    for (std::size_t i = 0; i < name_.size(); ++i) look_around(i, best);
+    for (std::size_t i = 0; i < name_.size(); ++i) find_near(i, best);
     walk(local[static_cast<std::size_t>(first)]);
   }
 
@@ -83,18 +83,18 @@ class StripTour {
     }
   }
 
-  /// The strip with the ways between stops filled in, in the names of the whole surface.
+  /// The strip with the paths between stops filled in, in the names of the whole surface.
   std::vector<std::int32_t> strip() const {
     std::vector<std::int32_t> result;
     for (std::size_t k = 0; k < tour_.size(); ++k) {
       if (k > 0 && !adjacent(tour_[k - 1], tour_[k])) {
         const std::int32_t goal = tour_[k];
         const Source source{tour_[k - 1], 0.0};
-        const auto way = shortest_paths(graph_, std::span<const Source>(&source, 1), NoHeuristic{},
-                                        [&](std::int32_t v, double) { return v == goal; })
-                             .path(goal);
-        for (std::size_t w = 1; w + 1 < way.size(); ++w)
-          result.push_back(name_[static_cast<std::size_t>(way[w])]);
+        const auto path = shortest_paths(graph_, std::span<const Source>(&source, 1), NoHeuristic{},
+                                         [&](std::int32_t v, double) { return v == goal; })
+                              .path(goal);
+        for (std::size_t w = 1; w + 1 < path.size(); ++w)
+          result.push_back(name_[static_cast<std::size_t>(path[w])]);
       }
       result.push_back(name_[static_cast<std::size_t>(tour_[k])]);
     }
@@ -111,7 +111,7 @@ class StripTour {
   std::int32_t size() const { return static_cast<std::int32_t>(tour_.size()); }
 
   /// The nearest stops of `i`, nearest first; `best` is scratch, left infinite.
-  void look_around(std::size_t i, std::vector<double>& best) {
+  void find_near(std::size_t i, std::vector<double>& best) {
     std::vector<std::pair<double, std::int32_t>> open{{0.0, static_cast<std::int32_t>(i)}};
     std::vector<std::int32_t> touched{static_cast<std::int32_t>(i)};
     best[i] = 0.0;
@@ -182,9 +182,9 @@ class StripTour {
     }
   }
 
-  /// The length of the way from a to b; infinite if they are far apart and no part of the first
+  /// The length of the path from a to b; infinite if they are far apart and no part of the first
   /// walk.
-  double way(std::int32_t a, std::int32_t b) const {
+  double distance(std::int32_t a, std::int32_t b) const {
     for (const Near& near : near_[static_cast<std::size_t>(a)])
       if (near.to == b) return near.distance;
     for (const Near& near : near_[static_cast<std::size_t>(b)])
@@ -194,11 +194,11 @@ class StripTour {
   }
   /// The step from position i to i + 1; nothing after the last.
   double step(std::int32_t i) const {
-    return i < 0 || i + 1 >= size() ? 0.0 : way(at(i), at(i + 1));
+    return i < 0 || i + 1 >= size() ? 0.0 : distance(at(i), at(i + 1));
   }
   /// A new step between positions; nothing beyond the last.
   double join(std::int32_t i, std::int32_t j) const {
-    return i >= size() || j >= size() ? 0.0 : way(at(i), at(j));
+    return i >= size() || j >= size() ? 0.0 : distance(at(i), at(j));
   }
   std::int32_t at(std::int32_t i) const { return tour_[static_cast<std::size_t>(i)]; }
   void place(std::int32_t from, std::int32_t to) {
@@ -243,7 +243,7 @@ class StripTour {
         const std::int32_t s = ends == 0 ? i : i - length + 1, e = s + length - 1;
         if (s < 1 || e >= size()) continue;
         const double freed =
-            step(s - 1) + step(e) - (e + 1 < size() ? way(at(s - 1), at(e + 1)) : 0.0);
+            step(s - 1) + step(e) - (e + 1 < size() ? distance(at(s - 1), at(e + 1)) : 0.0);
         if (!(freed > gain)) continue;
         for (std::size_t k = 0; k < std::min(near.size(), kCandidates); ++k) {
           if (near[k].distance >= freed) break;
@@ -255,8 +255,8 @@ class StripTour {
             const double right_old = step(after);
             for (const bool flip : {false, true}) {
               const std::int32_t head = flip ? at(e) : at(s), tail = flip ? at(s) : at(e);
-              const double added = way(left, head) +
-                                   (after + 1 < size() ? way(tail, at(after + 1)) : 0.0) -
+              const double added = distance(left, head) +
+                                   (after + 1 < size() ? distance(tail, at(after + 1)) : 0.0) -
                                    right_old;
               if (!(freed - added > gain)) continue;
               if (flip) std::reverse(tour_.begin() + s, tour_.begin() + e + 1);

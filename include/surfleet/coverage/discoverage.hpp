@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief DisCoverage: exploration of an unknown domain by several robots, each looking at its
-/// share of the frontier as if the explored ground were star-shaped around it [004 §5.4].
+/// @brief DisCoverage: exploration of an unknown domain by several robots, each viewing its share
+/// of the frontier as if the explored ground were star-shaped around it [004 §5.4].
 ///
 /// ```cpp
 /// DisCoverage explore{floor_plan, start, {.range = 3.0}};
@@ -77,11 +77,11 @@ class DisCoverage {
             "DisCoverage: speed and time step must be positive");
     owner_.assign(grid_.cells(), -1);
     links_ = cell_links(domain_, grid_);
-    for (const Point2& p : robots_) look(p);
+    for (const Point2& p : robots_) observe(p);
   }
   const std::vector<Point2>& robots() const { return robots_; }
   const CoverageGrid& explored() const { return grid_; }
-  /// Whose region a cell belongs to; −1 while unexplored or unreached.
+  /// The robot whose region a cell belongs to; −1 while unexplored or unreached.
   const std::vector<std::int32_t>& owner() const { return owner_; }
   double time() const { return time_; }
   bool finished() const { return finished_; }
@@ -92,15 +92,15 @@ class DisCoverage {
     if (finished_) return;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       double budget = options.speed * options.dt;
-      std::vector<Point2>& way = plans_[i].way;  // last point first
-      while (budget > 0.0 && !way.empty()) {
-        const Point2 d = way.back() - robots_[i];
+      std::vector<Point2>& path = plans_[i].path;  // last point first
+      while (budget > 0.0 && !path.empty()) {
+        const Point2 d = path.back() - robots_[i];
         const double length = d.norm(), move = std::min(length, budget);
         if (length > 0.0) robots_[i] += move / length * d;
         travelled_ += move;
         budget -= move;
-        if (move == length) way.pop_back();
-        look(robots_[i]);
+        if (move == length) path.pop_back();
+        observe(robots_[i]);
       }
     }
     time_ += options.dt;
@@ -110,7 +110,7 @@ class DisCoverage {
 
  private:
   struct Plan {
-    std::vector<Point2> way;
+    std::vector<Point2> path;
     std::int32_t target = -1;  ///< The frontier cell it leads to.
   };
   /// Explored cells, each joined to the eight around it.
@@ -138,7 +138,7 @@ class DisCoverage {
     }
   };
 
-  void look(const Point2& p) {
+  void observe(const Point2& p) {
     const Ring seen = visibility_polygon(domain_, p, options.range);
     if (seen.size() < 3) return;
     const PointLocator inside(Polygon{seen, {}});
@@ -195,17 +195,17 @@ class DisCoverage {
     std::vector<bool> taken(grid_.cells(), false);
     for (std::size_t i = 0; i < robots_.size() && !finished_; ++i) {
       Plan& own = plans_[i];
-      if (own.target >= 0 && !own.way.empty() && frontier(static_cast<std::size_t>(own.target)) &&
+      if (own.target >= 0 && !own.path.empty() && frontier(static_cast<std::size_t>(own.target)) &&
           owner_[static_cast<std::size_t>(own.target)] == static_cast<std::int32_t>(i))
-        continue;  // what it heads for is still worth it
+        continue;  // its target still is one
       std::vector<std::size_t> mine;
       for (const std::size_t c : edge)
         if (owner_[c] == static_cast<std::int32_t>(i)) mine.push_back(c);
-      // A robot without frontier of its own helps the others where nobody is going yet.
+      // A robot without frontier of its own helps the others where none is going yet.
       if (mine.empty()) mine = edge;
       own.target = choose(i, mine, paths[i]);
-      own.way.clear();
-      if (own.target >= 0) own.way = way_to(i, own.target, paths[i]);
+      own.path.clear();
+      if (own.target >= 0) own.path = path_to(i, own.target, paths[i]);
     }
   }
   /// The star-shaped image of a frontier cell, as direction and distance.
@@ -258,20 +258,20 @@ class DisCoverage {
     return target;
   }
   /// From the robot to a cell: the path over cells, pulled straight where the ground is explored.
-  std::vector<Point2> way_to(std::size_t robot, std::int32_t target,
-                             const ShortestPaths& paths) const {
+  std::vector<Point2> path_to(std::size_t robot, std::int32_t target,
+                              const ShortestPaths& paths) const {
     const std::vector<std::int32_t> cells = paths.path(target);
-    std::vector<Point2> way;
+    std::vector<Point2> path;
     Point2 at = robots_[robot];
     for (std::size_t k = 0; k < cells.size();) {
       std::size_t far = k;
       for (std::size_t m = k + 1; m < cells.size() && clear(at, cells[m]); ++m) far = m;
       at = grid_.centre(static_cast<std::size_t>(cells[far]));
-      way.push_back(at);
+      path.push_back(at);
       k = far + 1;
     }
-    std::reverse(way.begin(), way.end());
-    return way;
+    std::reverse(path.begin(), path.end());
+    return path;
   }
   /// Straight over explored ground, and free.
   bool clear(const Point2& from, std::int32_t cell) const {

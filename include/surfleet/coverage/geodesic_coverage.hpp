@@ -81,10 +81,10 @@ class GeodesicCoverage {
   GeodesicTessellation tessellate(std::span<const Point2> robots) const {
     return geodesic_tessellation(geodesics_, grid_, robots, density);
   }
-  /// Everybody steps towards the mean of its image, no farther than `max_step` [m]; returns the
+  /// Every robot steps towards the mean of its image, no farther than `max_step` [m]; returns the
   /// largest move and updates `t`, the tessellation of `robots`.
   double step(std::span<Point2> robots, GeodesicTessellation& t, double max_step) const {
-    std::vector<Point2> way(robots.size(), Point2::Zero());
+    std::vector<Point2> offset(robots.size(), Point2::Zero());
     std::vector<double> mass(robots.size(), 0.0);
     std::vector<GeodesicField> fields;
     for (const Point2& p : robots) fields.push_back(geodesics_.from(p));
@@ -93,22 +93,22 @@ class GeodesicCoverage {
       const auto i = static_cast<std::size_t>(t.owner[c]);
       const Point2 q = grid_.centre(c);
       const double w = density(q);
-      way[i] += w * (fields[i].star_image(q) - robots[i]);
+      offset[i] += w * (fields[i].star_image(q) - robots[i]);
       mass[i] += w;
     }
     for (std::size_t i = 0; i < robots.size(); ++i) {
-      if (mass[i] > 0.0) way[i] /= mass[i];
-      const double length = way[i].norm();
+      if (mass[i] > 0.0) offset[i] /= mass[i];
+      const double length = offset[i].norm();
       if (length == 0.0) continue;
-      const double free = free_distance(geodesics_.polygon(), robots[i], way[i] / length);
-      way[i] *= std::min({1.0, max_step / length, 0.99 * free / length});
+      const double free = free_distance(geodesics_.polygon(), robots[i], offset[i] / length);
+      offset[i] *= std::min({1.0, max_step / length, 0.99 * free / length});
     }
     for (double share = 1.0; share > 1e-3; share *= 0.5) {
       std::vector<Point2> moved(robots.begin(), robots.end());
       double largest = 0.0;
       for (std::size_t i = 0; i < moved.size(); ++i) {
-        moved[i] += share * way[i];
-        largest = std::max(largest, share * way[i].norm());
+        moved[i] += share * offset[i];
+        largest = std::max(largest, share * offset[i].norm());
       }
       GeodesicTessellation better = tessellate(moved);
       if (better.cost < t.cost) {

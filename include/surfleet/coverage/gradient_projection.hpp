@@ -44,7 +44,7 @@ inline Point2 project_gradient(const Point2& descent, std::vector<Point2> normal
 }
 
 /// Robots that slide along the walls and never leave the domain. A constrained local minimum may
-/// lie far from the global one; `NonconvexCoverage` is the way round.
+/// lie far from the global one; `NonconvexCoverage` avoids that.
 template <PlanarDensity Density = UniformDensity>
 class GradientProjectionCoverage {
  public:
@@ -80,7 +80,7 @@ class GradientProjectionCoverage {
     const double length = descent.norm();
     if (length <= eps_) return Point2::Zero();
     const Polygon& domain = lloyd_.domain();
-    // At a reflex corner two walls are touched although the way may be free.
+    // At a reflex corner two walls are touched although the step may be free.
     if (free_distance(domain, p, descent / length) > 2.0 * eps_) return descent;
     std::vector<Point2> normals;
     for_each_edge(domain, [&](const Point2& a, const Point2& b) {
@@ -89,7 +89,7 @@ class GradientProjectionCoverage {
     });
     const Point2 all = project_gradient(descent, normals);
     if (all.norm() > 0.0) return all;
-    // A reflex corner: either wall alone may leave a way open.
+    // A reflex corner: either wall alone may permit a step.
     Point2 best = Point2::Zero();
     for (const Point2& n : normals) {
       const Point2 z = project_gradient(descent, {n});

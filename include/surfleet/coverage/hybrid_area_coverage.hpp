@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
 /// @brief Hybrid area coverage of a surface [004 Alg. 9]: deploy, sweep, lock what is covered,
-/// relocate, and again until nothing is left. Robots may fail or join on the way.
+/// relocate, and again until nothing is left. Robots may fail or join meanwhile.
 #pragma once
 
 #include <algorithm>
@@ -238,12 +238,12 @@ HybridSurfaceCoverage hybrid_area_coverage(const TriangleMesh& mesh,
         std::size_t robot, site;
       };
       std::vector<Trip> trips;
-      std::vector<ShortestPaths> ways;
+      std::vector<ShortestPaths> trees;
       for (std::size_t k = 0; k < searching.size(); ++k) {
-        ways.push_back(shortest_paths(ground, robots[searching[k]]));
+        trees.push_back(shortest_paths(ground, robots[searching[k]]));
         for (std::size_t s = 0; s < sites.size(); ++s)
-          if (ways[k].reached(sites[s]))
-            trips.push_back({ways[k].distance[static_cast<std::size_t>(sites[s])], k, s});
+          if (trees[k].reached(sites[s]))
+            trips.push_back({trees[k].distance[static_cast<std::size_t>(sites[s])], k, s});
       }
       std::sort(trips.begin(), trips.end(), [](const Trip& a, const Trip& b) {
         return std::tie(a.length, a.robot, a.site) < std::tie(b.length, b.robot, b.site);
@@ -278,9 +278,9 @@ HybridSurfaceCoverage hybrid_area_coverage(const TriangleMesh& mesh,
       if (regions.start[i] < 0) continue;
       const std::int32_t goal = regions.start[i];
       const Source source{robots[i], 0.0};
-      const auto way = shortest_paths(ground, std::span<const Source>(&source, 1), NoHeuristic{},
-                                      [&](std::int32_t t, double) { return t == goal; });
-      const std::vector<std::int32_t> cells = way.path(goal);
+      const auto tree = shortest_paths(ground, std::span<const Source>(&source, 1), NoHeuristic{},
+                                       [&](std::int32_t t, double) { return t == goal; });
+      const std::vector<std::int32_t> cells = tree.path(goal);
       for (const std::int32_t t : cells)
         iteration.transfers[i].push_back(graph->position[static_cast<std::size_t>(t)]);
       for (std::size_t k = 1; k < cells.size(); ++k)

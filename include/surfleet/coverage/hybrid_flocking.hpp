@@ -56,7 +56,7 @@ inline FlockingRun flocking_coverage(const Polygon& domain, std::span<const Poin
   FlockingRun run;
   std::vector<Point2> at(start.begin(), start.end());
   std::vector<double> heading(start.size(), 0.0);
-  std::vector<std::vector<Point2>> way(start.size());  // to remaining ground, while none is near
+  std::vector<std::vector<Point2>> path(start.size());  // to remaining ground, while none is near
   for (const Point2& p : at) {
     run.paths.emplace_back(p);
     grid.cover(p, p, options.footprint);
@@ -87,7 +87,7 @@ inline FlockingRun flocking_coverage(const Polygon& domain, std::span<const Poin
       }
       Point2 goal = at[i];
       const bool bored = t - last_new[i] > settings.patience;
-      if (total > 0.0 && way[i].empty() && !bored) {
+      if (total > 0.0 && path[i].empty() && !bored) {
         const Point2 home = centre - at[i];
         const double to_centre = std::atan2(home.y(), home.x());
         const double strayed = home.norm() / settings.critical_distance;
@@ -111,8 +111,8 @@ inline FlockingRun flocking_coverage(const Polygon& domain, std::span<const Poin
           heading[i] = a;
           goal = at[i] + reach * u;
         }
-      } else if (bored || !way[i].empty()) {
-        if (way[i].empty()) {
+      } else if (bored || !path[i].empty()) {
+        if (path[i].empty()) {
           std::size_t nearest = grid.cells();
           double least = std::numeric_limits<double>::infinity();
           for (std::size_t c = 0; c < grid.cells(); ++c)
@@ -122,16 +122,16 @@ inline FlockingRun flocking_coverage(const Polygon& domain, std::span<const Poin
               nearest = c;
             }
           if (nearest < grid.cells()) {
-            way[i] = geodesics.from(at[i]).path(grid.centre(nearest));
-            std::reverse(way[i].begin(), way[i].end());
-            if (!way[i].empty()) way[i].pop_back();
+            path[i] = geodesics.from(at[i]).path(grid.centre(nearest));
+            std::reverse(path[i].begin(), path[i].end());
+            if (!path[i].empty()) path[i].pop_back();
           }
         }
-        if (!way[i].empty()) {
-          const Point2 d = way[i].back() - at[i];
+        if (!path[i].empty()) {
+          const Point2 d = path[i].back() - at[i];
           if (d.norm() <= reach) {
-            goal = way[i].back();
-            way[i].pop_back();
+            goal = path[i].back();
+            path[i].pop_back();
           } else {
             goal = at[i] + reach * d.normalized();
           }

@@ -31,19 +31,20 @@ struct HybridVoronoiPlan {
 
 /// Regions of nearly equal area around generators that move with them: a power diagram whose
 /// weights grow where a region is too small, so that all sweeps end together. Robot i is given less
-/// by `lane` times its way from `start[i]` to its generator. Stops once the areas differ from what
-/// they should be by less than the share `balance`, or after `iterations`.
+/// by `lane` times its distance from `start[i]` to its generator. Stops once the areas differ from
+/// what they should be by less than the share `balance`, or after `iterations`.
 inline std::vector<Region> balanced_regions(const Polygon& domain, std::span<const Point2> start,
                                             std::span<Point2> generators, double lane,
                                             double balance, int iterations) {
   const std::size_t n = generators.size();
   const double share = area(domain) / static_cast<double>(n);
   std::vector<double> fair(n, share);
-  double mean_way = 0.0;
+  double mean_distance = 0.0;
   for (std::size_t i = 0; i < n; ++i)
-    mean_way += (generators[i] - start[i]).norm() / static_cast<double>(n);
+    mean_distance += (generators[i] - start[i]).norm() / static_cast<double>(n);
   for (std::size_t i = 0; i < n; ++i)
-    fair[i] = std::max(0.2 * share, share - lane * ((generators[i] - start[i]).norm() - mean_way));
+    fair[i] =
+        std::max(0.2 * share, share - lane * ((generators[i] - start[i]).norm() - mean_distance));
   std::vector<double> weight(n, 0.0);
   std::vector<Region> regions(n);
   PolygonClipper clipper;

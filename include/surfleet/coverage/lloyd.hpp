@@ -73,7 +73,7 @@ class LloydCoverage {
   /// H for the tessellation that belongs to the positions.
   double cost(std::span<const Point2> robots) const { return evaluate(robots).cost; }
 
-  /// One iteration of Lloyd's algorithm [004 Alg. 1]: everybody to its centroid. In a domain that
+  /// One iteration of Lloyd's algorithm [004 Alg. 1]: every robot to its centroid. In a domain that
   /// is not convex a centroid may lie outside; see `nonconvex_coverage.hpp`.
   LloydStep step(std::span<Point2> robots) const {
     const CoverageState state = evaluate(robots);

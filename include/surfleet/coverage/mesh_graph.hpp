@@ -40,7 +40,7 @@ struct SurfaceGraph {
 };
 static_assert(WeightedGraph<SurfaceGraph>);
 
-/// A way to read a mesh as sites.
+/// A mesh read as sites.
 template <typename S>
 concept SurfaceModel = requires(const S& model, const TriangleMesh& mesh,
                                 const EdgeGeodesic& distance, const MetricField& field) {

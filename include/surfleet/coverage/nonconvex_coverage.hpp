@@ -50,10 +50,10 @@ class ShortestPathPlanner {
     explicit Motion(std::vector<Point2> path) : path_(std::move(path)), position_(path_.at(0)) {}
     void advance(double distance) {
       while (next_ < path_.size() && distance > 0.0) {
-        const Point2 way = path_[next_] - position_;
-        const double length = way.norm();
+        const Point2 offset = path_[next_] - position_;
+        const double length = offset.norm();
         if (length > distance) {
-          position_ += distance / length * way;
+          position_ += distance / length * offset;
           return;
         }
         position_ = path_[next_++];
@@ -136,7 +136,7 @@ class NonconvexCoverage {
   }
 
   /// One time step: robots that have arrived take the centroid of the region of their virtual
-  /// generator as their next virtual goal (loop 1); everybody moves (loop 2).
+  /// generator as their next virtual goal (loop 1); all move (loop 2).
   void step() {
     if (std::any_of(motions_.begin(), motions_.end(),
                     [](const auto& m) { return !m || m->arrived(); })) {
@@ -160,10 +160,10 @@ class NonconvexCoverage {
       Robot& r = robots_[i];
       motions_[i]->advance(reach);
       r.real = motions_[i]->position();
-      const Point2 way = r.virtual_goal - r.virtual_position;
-      const double length = way.norm();
+      const Point2 offset = r.virtual_goal - r.virtual_position;
+      const double length = offset.norm();
       r.virtual_position =
-          length <= reach ? r.virtual_goal : Point2(r.virtual_position + reach / length * way);
+          length <= reach ? r.virtual_goal : Point2(r.virtual_position + reach / length * offset);
     }
     time_ += options.dt;
   }
@@ -175,7 +175,7 @@ class NonconvexCoverage {
   using Motion = decltype(std::declval<Planner&>()(std::declval<const Polygon&>(),
                                                    std::declval<const Point2&>(),
                                                    std::declval<const Point2&>()));
-  /// Virtual robots can meet on their way; one that shares its place waits for the next step.
+  /// Virtual robots can meet; one that shares its place waits for the next step.
   std::vector<Point2> goals() const {
     std::vector<Point2> own = virtual_positions();
     std::vector<std::size_t> apart;

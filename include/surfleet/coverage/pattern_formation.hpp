@@ -18,7 +18,7 @@
 #include <surfleet/geometry/polygon_clipping.hpp>
 
 namespace surfleet {
-/// Who goes where: an auction in which robots bid for goals until nobody is outbid, within
+/// Goal assignment: an auction in which robots bid for goals until none is outbid, within
 /// `robots · increment` of the least total squared distance. O(n² · rounds).
 inline std::vector<std::size_t> auction_goals(std::span<const Point2> robots,
                                               std::span<const Point2> goals,

@@ -135,10 +135,10 @@ class PrismCoverage {
       motions_[i]->advance(reach);
       r.real.head<2>() = motions_[i]->position();
       r.real.z() += std::clamp(r.virtual_goal.z() - r.real.z(), -reach, reach);
-      const Point3 way = r.virtual_goal - r.virtual_position;
-      const double length = way.norm();
+      const Point3 offset = r.virtual_goal - r.virtual_position;
+      const double length = offset.norm();
       r.virtual_position =
-          length <= reach ? r.virtual_goal : Point3(r.virtual_position + reach / length * way);
+          length <= reach ? r.virtual_goal : Point3(r.virtual_position + reach / length * offset);
     }
   }
 

@@ -37,7 +37,7 @@ struct RoboticBandPlan {
 };
 
 namespace detail {
-/// The band on its way; coordinates are turned so that it advances along +x.
+/// The band's motion; coordinates are turned so that it advances along +x.
 class BandRun {
  public:
   BandRun(const Polygon& domain, const ReebGraph& skeleton, const PolygonGeodesics& geodesics,
@@ -56,16 +56,15 @@ class BandRun {
   void run() {
     incoming_.assign(skeleton_.points.size(), 0);
     for (const ReebCell& c : skeleton_.cells) ++incoming_[static_cast<std::size_t>(c.to)];
-    std::vector<std::int32_t> everybody;
-    for (std::size_t i = 0; i < plan.paths.size(); ++i)
-      everybody.push_back(static_cast<std::int32_t>(i));
+    std::vector<std::int32_t> all;
+    for (std::size_t i = 0; i < plan.paths.size(); ++i) all.push_back(static_cast<std::int32_t>(i));
     // The nearest START; cells that only other STARTs lead to are left as open tasks.
     std::int32_t first = -1;
     for (std::size_t p = 0; p < skeleton_.points.size(); ++p)
       if (skeleton_.points[p].kind == CriticalKind::Start &&
           (first < 0 || distance(p) < distance(static_cast<std::size_t>(first))))
         first = static_cast<std::int32_t>(p);
-    enter(first, everybody);
+    enter(first, all);
     while (!waiting_.empty()) {  // bands that wait where another never came
       auto it = waiting_.begin();
       const std::int32_t point = it->first;
@@ -117,11 +116,11 @@ class BandRun {
     double now = 0.0;
     for (const std::int32_t r : band) now = std::max(now, path(r).end_time());
     for (const std::int32_t r : band) path(r).wait_until(now);
-    std::vector<std::size_t> ways;
+    std::vector<std::size_t> branches;
     for (std::size_t c = 0; c < skeleton_.cells.size(); ++c)
-      if (skeleton_.cells[c].from == point) ways.push_back(c);
-    if (ways.empty()) return;  // idle from here on
-    std::sort(ways.begin(), ways.end(), [&](std::size_t a, std::size_t b) {
+      if (skeleton_.cells[c].from == point) branches.push_back(c);
+    if (branches.empty()) return;  // idle from here on
+    std::sort(branches.begin(), branches.end(), [&](std::size_t a, std::size_t b) {
       return skeleton_.cells[a].region.outer[0].y() < skeleton_.cells[b].region.outer[0].y();
     });
     // The line keeps its order from one side to the other.
@@ -130,20 +129,20 @@ class BandRun {
       return p.y() < q.y() || (p.y() == q.y() && a < b);
     });
     double ahead = 0.0;
-    for (const std::size_t c : ways) ahead += area(skeleton_.cells[c].region);
+    for (const std::size_t c : branches) ahead += area(skeleton_.cells[c].region);
     std::size_t given = 0;
     double passed = 0.0;
-    for (std::size_t k = 0; k < ways.size(); ++k) {
-      passed += area(skeleton_.cells[ways[k]].region);
+    for (std::size_t k = 0; k < branches.size(); ++k) {
+      passed += area(skeleton_.cells[branches[k]].region);
       auto until =
           static_cast<std::size_t>(std::lround(static_cast<double>(band.size()) * passed / ahead));
-      if (k + 1 == ways.size()) until = band.size();
+      if (k + 1 == branches.size()) until = band.size();
       const std::vector<std::int32_t> part(band.begin() + static_cast<std::ptrdiff_t>(given),
                                            band.begin() + static_cast<std::ptrdiff_t>(until));
       given = until;
-      if (!part.empty()) advance(ways[k], part);
-      // A way without robots stays in the list of open cells and becomes a task.
-      if (part.empty()) --incoming_[static_cast<std::size_t>(skeleton_.cells[ways[k]].to)];
+      if (!part.empty()) advance(branches[k], part);
+      // A branch without robots stays in the list of open cells and becomes a task.
+      if (part.empty()) --incoming_[static_cast<std::size_t>(skeleton_.cells[branches[k]].to)];
     }
   }
 
@@ -170,21 +169,22 @@ class BandRun {
     const auto [low, high] = section(cell, x);
     const double margin = std::min(options_.footprint, 0.5 * (high - low));
     double arrival = 0.0;
-    std::vector<std::vector<Point2>> ways;
+    std::vector<std::vector<Point2>> routes;
     for (std::size_t k = 0; k < band.size(); ++k) {
       const double s =
           band.size() == 1 ? 0.5 : static_cast<double>(k) / static_cast<double>(band.size() - 1);
       const Point2 goal(x, low + margin + s * (high - low - 2.0 * margin));
-      std::vector<Point2> way{path(band[k]).end()};
-      append_way(way, goal, geodesics_);
-      arrival = std::max(arrival, path(band[k]).end_time() + path_length(way) / options_.speed);
-      ways.push_back(std::move(way));
+      std::vector<Point2> route{path(band[k]).end()};
+      append_path(route, goal, geodesics_);
+      arrival = std::max(arrival, path(band[k]).end_time() + path_length(route) / options_.speed);
+      routes.push_back(std::move(route));
     }
     for (std::size_t k = 0; k < band.size(); ++k) {
       TimedPath& p = path(band[k]);
-      for (std::size_t i = 1; i + 1 < ways[k].size(); ++i) p.move_to(ways[k][i], options_.speed);
-      // The line advances as one: who has the shorter way goes slower.
-      p.arrive(ways[k].back(), arrival);
+      for (std::size_t i = 1; i + 1 < routes[k].size(); ++i)
+        p.move_to(routes[k][i], options_.speed);
+      // The line advances as one: a robot with a shorter path goes slower.
+      p.arrive(routes[k].back(), arrival);
     }
   }
   double now(std::span<const std::int32_t> band) {
@@ -192,9 +192,9 @@ class BandRun {
     for (const std::int32_t r : band) t = std::max(t, path(r).end_time());
     return t;
   }
-  void advance(std::size_t way, std::vector<std::int32_t> band) {
-    const ReebCell& cell = skeleton_.cells[way];
-    done_.insert(way);
+  void advance(std::size_t branch, std::vector<std::int32_t> band) {
+    const ReebCell& cell = skeleton_.cells[branch];
+    done_.insert(branch);
     const Box2 box = cell.region.bounds();
     const double end = box.max().x();
     double x = box.min().x();
@@ -250,7 +250,7 @@ class BandRun {
     if (rest_area < settings_.small * share_ && kind != CriticalKind::End) {
       tasks_.push_back({close(rest, last_point, cell.to), now(band)});
     } else if (kind == CriticalKind::End) {
-      // Nobody has anywhere else to go: those who are here share the rest.
+      // No robot has anywhere else to go: those that are here share the rest.
       const double width = (end - x) / static_cast<double>(band.size());
       for (std::size_t k = 0; k < band.size(); ++k)
         sweep(close(between(cell.region, x + width * static_cast<double>(k),

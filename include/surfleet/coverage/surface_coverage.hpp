@@ -286,7 +286,7 @@ class SurfaceCoverage {
     merge();
     bool fresh = sense_and_exchange();
     if (!changed && !fresh && idle_ + 1 >= patience_) {
-      for (const Team& team : teams_) fresh |= look_beyond(team);
+      for (const Team& team : teams_) fresh |= observe_beyond(team);
       if (fresh) maps_.exchange(*graph_, state_.partition.generator, *network_);
     }
     if (fresh) {
@@ -295,9 +295,9 @@ class SurfaceCoverage {
     }
     return changed;
   }
-  /// A team at rest whose map does not end at the surface's border sends a robot to look there: the
-  /// one to whose region the nearest such site belongs drives out, senses, and comes back.
-  bool look_beyond(const Team& team) {
+  /// A team at rest whose map does not end at the surface's border sends a robot to observe there:
+  /// the one to whose region the nearest such site belongs drives out, senses, and comes back.
+  bool observe_beyond(const Team& team) {
     const SurfacePartition& p = team.state.partition;
     double nearest = ShortestPaths::kUnreached;
     std::int32_t site = -1;

@@ -68,10 +68,10 @@ class SurfaceMaps {
     return fresh;
   }
 
-  /// Robots on `sites` tell each other what they know, round after round until nobody learns
-  /// anything more. Who hears a robot within communication range whose map shares a site with its
-  /// own takes it, and its mates, for mates; what one of a team learns all of it learn. A team does
-  /// not split: robots that agreed on a partition stay in touch by relay. True if any map or team
+  /// Robots on `sites` tell each other what they know, round after round until none learns anything
+  /// more. A robot that hears one within communication range whose map shares a site with its own
+  /// takes it, and its mates, for mates; what one of a team learns all of it learn. A team does not
+  /// split: robots that agreed on a partition stay in touch by relay. True if any map or team
   /// changed. O(robots² n) a round, of at most as many as there are robots; what a network loses is
   /// told again with the next exchange.
   template <Transport Network>

@@ -23,7 +23,7 @@ struct SurfacePartition {
   std::vector<std::int32_t> generator;   ///< Site of every robot, or `kNone`.
   std::vector<std::int32_t> region;      ///< Robot of every site, or `kNone`.
   std::vector<double> distance;          ///< From the own generator; infinite without a region.
-  std::vector<std::int32_t> first_step;  ///< First site on the way there from the generator.
+  std::vector<std::int32_t> first_step;  ///< First site of the path there from the generator.
 
   std::size_t robots() const { return generator.size(); }
 };
@@ -88,7 +88,7 @@ inline std::vector<std::pair<std::int32_t, std::int32_t>> dual_delaunay(
 /// Asks whether a region stays in one piece without one of its sites.
 class RemovalTest {
  public:
-  /// True if the region of `site` without it is not empty and a way around it was found within
+  /// True if the region of `site` without it is not empty and a path around it was found within
   /// `reach` sites. O(reach) at worst, a handful of sites as a rule.
   bool operator()(const Graph& links, const std::vector<std::int32_t>& region, std::int32_t site,
                   std::size_t reach) {

@@ -20,20 +20,20 @@
 #include <surfleet/geometry/polygon_trapezoids.hpp>
 
 namespace surfleet {
-/// Appends the shortest way inside the domain from the end of `path` to `to`; nothing if there is
+/// Appends the shortest path inside the domain from the end of `path` to `to`; nothing if there is
 /// none.
-inline void append_way(std::vector<Point2>& path, const Point2& to,
-                       const PolygonGeodesics& domain) {
+inline void append_path(std::vector<Point2>& path, const Point2& to,
+                        const PolygonGeodesics& domain) {
   if (path.empty() || sees(domain.polygon(), path.back(), to)) {
     path.push_back(to);
     return;
   }
-  const std::vector<Point2> way = domain.from(path.back()).path(to);
-  if (way.size() > 1) path.insert(path.end(), way.begin() + 1, way.end());
+  const std::vector<Point2> onward = domain.from(path.back()).path(to);
+  if (onward.size() > 1) path.insert(path.end(), onward.begin() + 1, onward.end());
 }
 
 /// What hybrid coverage asks of a sweep: a path from `from` over one part of a region, whose lanes
-/// lie in the part and whose ways between them lie in the domain. It begins with `from`.
+/// lie in the part and whose connections lie in the domain. It begins with `from`.
 template <typename S>
 concept SweepPattern = requires(const S& sweep, const Polygon& part, const Point2& from,
                                 const PolygonGeodesics& domain, const HybridOptions& o) {
@@ -73,8 +73,8 @@ struct BackAndForthSweep {
       bool rightwards = (best_corner & 1) == 0;
       for (const Lane& lane : cell) {
         const Point2 a(lane.from, lane.y), b(lane.to, lane.y);
-        append_way(path, turn_back * (rightwards ? a : b), domain);
-        append_way(path, turn_back * (rightwards ? b : a), domain);
+        append_path(path, turn_back * (rightwards ? a : b), domain);
+        append_path(path, turn_back * (rightwards ? b : a), domain);
         rightwards = !rightwards;
       }
     }
@@ -178,10 +178,10 @@ struct SpiralSweep {
       for (std::size_t i = 1; i < ring.size(); ++i)
         if ((ring[i] - path.back()).norm() < (ring[start] - path.back()).norm()) start = i;
       for (std::size_t i = 0; i < ring.size(); ++i)
-        append_way(path, ring[(start + i) % ring.size()], domain);
+        append_path(path, ring[(start + i) % ring.size()], domain);
       path.push_back(ring[start]);
     }
-    append_way(path, centroid(part), domain);
+    append_path(path, centroid(part), domain);
     return path;
   }
 };
@@ -203,7 +203,7 @@ inline void touch_up(std::vector<Point2>& path, const Polygon& part, const Polyg
                  (grid.centre(b) - path.back()).squaredNorm();
         });
     const std::size_t before = path.size();
-    append_way(path, project_into(domain.polygon(), grid.centre(nearest)), domain);
+    append_path(path, project_into(domain.polygon(), grid.centre(nearest)), domain);
     for (std::size_t i = before; i < path.size(); ++i)
       grid.cover(path[i - 1], path[i], o.footprint);
     grid.cover(nearest);

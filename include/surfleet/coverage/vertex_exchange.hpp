@@ -45,7 +45,7 @@ struct RegionSums {
 /// the region's centroid. O(n) a step.
 struct VertexExchange {
   int rounds = 1;           ///< k_R: passes over a border before a robot turns to the next.
-  std::size_t reach = 256;  ///< Sites searched for a way around a site that is to be given
+  std::size_t reach = 256;  ///< Sites searched for a path around a site that is to be given
                             ///< away; if none is found it stays.
   static constexpr double kGain = 1e-12;  ///< Least relative gain of a trade.
 

@@ -22,7 +22,7 @@ namespace surfleet {
 struct CoarseSurface {
   std::vector<std::int32_t> site;  ///< The chosen sites of the fine graph.
   std::vector<double> mass;        ///< Of the fine sites nearest to each.
-  Graph graph;  ///< Between neighbours, by the shortest way from one to the other.
+  Graph graph;  ///< Between neighbours, by the shortest path from one to the other.
 };
 
 /// `count` of the kept sites, drawn at random, each with the mass of its Voronoi region, which

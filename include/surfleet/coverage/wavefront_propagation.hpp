@@ -142,7 +142,7 @@ WavefrontRegion propagate_wavefront(const SurfaceGraph& graph,
   return result;
 }
 
-/// Which way a robot should step: one value per site of its one ring, the best first.
+/// Where a robot should step: one value per site of its one ring, the best first.
 template <typename G>
 concept GoalDirection = requires(const G& rule, const DeploymentState& state, std::int32_t robot) {
   { rule(state, robot) } -> std::convertible_to<std::vector<std::int32_t>>;

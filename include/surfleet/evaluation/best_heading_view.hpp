@@ -13,7 +13,7 @@
 
 namespace surfleet {
 /// What a camera on a level body has in view once the body has turned so that the optical axis lies
-/// in the vertical plane of the point (a camera that looks straight up or down: the body's x axis).
+/// in the vertical plane of the point (a camera that faces straight up or down: the body's x axis).
 /// A LiDAR that stands upright in the body has all between its lowest and its highest beam in view,
 /// gaps between beams not counted, with the body's x axis in that plane.
 class BestHeadingView {
@@ -25,7 +25,7 @@ class BestHeadingView {
     const Eigen::Vector3d axis = T_body_camera.linear().col(2);
     const double level = axis.head<2>().norm();
     if (level > 1e-6) heading_ = axis.head<2>() / level;
-    // The point stands in the middle column unless the camera is rolled or looks up or down.
+    // The point stands in the middle column unless the camera is rolled or pitched.
     const bool upright = level > 1e-6 && std::abs(T_body_camera.linear()(2, 0)) < 1e-9;
     for (const double u : {-0.5, camera.width - 0.5})
       for (const double v : {-0.5, camera.height - 0.5})
@@ -47,7 +47,7 @@ class BestHeadingView {
   /// No point farther than this from the body is in view [m].
   double reach() const { return reach_; }
 
-  /// Whether `sample` is in range and in the image from `position`; occlusion is not looked at.
+  /// Whether `sample` is in range and in the image from `position`; occlusion is not tested.
   bool sees(const Point3& position, const Point3& sample) const {
     const Eigen::Vector3d to_sample = sample - position;
     const double level = to_sample.head<2>().norm();

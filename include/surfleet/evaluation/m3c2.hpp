@@ -112,8 +112,8 @@ struct CylinderStatistics {
 /// The points of `cloud` in the cylinder around the axis `origin + s axis`, |s| ≤ `half_length`,
 /// for which `accept(index)` is true.
 ///
-/// The cylinder is cut into slabs about as long as it is wide, each looked up by the ball around
-/// it, so a deep and slender cylinder does not pay for the ball around the whole.
+/// The cylinder is cut into slabs about as long as it is wide, each searched by the ball around it,
+/// so a deep and slender cylinder does not pay for the ball around the whole.
 template <typename Accept>
 CylinderStatistics cylinder_statistics(const KdTree& tree, std::span<const Point3> cloud,
                                        const Point3& origin, const Eigen::Vector3d& axis,
@@ -188,7 +188,7 @@ inline M3C2Result m3c2(const PointCloud& core, const PointCloud& reference,
       options.sided &&
       (given || (reference.normals.size() == reference.size() && reference.size() > 0));
   // `take(i, cylinder)`; `cylinder(any)` has the statistics of what faces the axis, or of all.
-  const auto look = [&](const PointCloud& cloud, auto&& take) {
+  const auto measure = [&](const PointCloud& cloud, auto&& take) {
     const KdTree tree(cloud.points);
     const bool faces_known = sided && cloud.normals.size() == cloud.size();
     constexpr std::size_t kGrain = 256;
@@ -212,13 +212,13 @@ inline M3C2Result m3c2(const PointCloud& core, const PointCloud& reference,
   const auto variance_of_mean = [&](const detail::CylinderStatistics& s) {
     return s.count < fewest ? kNone : s.deviation * s.deviation / static_cast<double>(s.count);
   };
-  look(compared, [&](std::size_t i, auto&& cylinder) {
+  measure(compared, [&](std::size_t i, auto&& cylinder) {
     const detail::CylinderStatistics b = cylinder(false);
     if (b.count == 0) return;
     result.distance[i] = b.position;
     result.level_of_detection[i] = variance_of_mean(b);
   });
-  look(reference, [&](std::size_t i, auto&& cylinder) {
+  measure(reference, [&](std::size_t i, auto&& cylinder) {
     if (std::isnan(result.distance[i])) return;
     detail::CylinderStatistics a = cylinder(false);
     if (a.count == 0) a = cylinder(true);

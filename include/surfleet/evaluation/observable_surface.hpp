@@ -3,8 +3,8 @@
 /// @brief The part of a surface that a flying camera or LiDAR could have seen: what coverage is
 /// measured against.
 ///
-/// A surface has two sides, and each is looked at for itself: a sheet that can be seen from both is
-/// covered twice, while nobody sees the inner side of a closed solid. A side of a surface point
+/// A surface has two sides, and each counts for itself: a sheet that can be seen from both is
+/// covered twice, while the inner side of a closed solid cannot be seen. A side of a surface point
 /// counts as observable if some position of a cubic lattice exists that
 /// 1. lies in the flight space and keeps the body's radius plus a margin away from every triangle
 ///    and from every box that is closed to robots,
@@ -17,7 +17,7 @@
 /// 4. lies on that side and meets the surface at no more than the incidence limit,
 /// 5. sees the point: the ray from the camera to it is not blocked.
 /// All nodes carry the flood of 2, every `stride`-th along each axis (and a choice of others in
-/// front of the point) is looked from. The lattice makes the answer a lower bound of what a
+/// front of the point) is viewed from. The lattice makes the answer a lower bound of what a
 /// continuum of positions could see; a finer spacing tightens it. The start joins the lattice
 /// through the free nodes next to it.
 #pragma once
@@ -46,11 +46,11 @@ namespace surfleet {
 struct ObservabilityOptions {
   PinholeCamera camera;
   Pose T_body_camera = forward_camera_mount();
-  /// What is looked with in place of the camera, upright at the camera's place, if anything.
+  /// The sensor in place of the camera, upright at the camera's place, if any.
   std::optional<LidarModel> lidar{};
   double max_incidence = radians(80.0);  ///< Between the ray and the surface's normal [rad].
   bool two_sided = true;                 ///< Either side counts, else that of the normal alone.
-  int stride = 2;            ///< Every so many-th node is looked from; all carry the flood.
+  int stride = 2;            ///< Every so many-th node is viewed from; all carry the flood.
   double tolerance = 0.001;  ///< What is this near before the surface does not block it [m].
   int threads = 1;
 };

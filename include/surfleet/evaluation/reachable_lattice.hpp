@@ -110,7 +110,7 @@ class ReachableLattice {
                   std::to_string(space.radius) + " m or more");
     // A start nearer than radius + margin may still leave; the margin is demanded of the nodes.
     const double start_radius = std::min(radius, at_start);
-    std::vector<float> clear(reached_.size(), -1.0F);  // −1: not looked at yet
+    std::vector<float> clear(reached_.size(), -1.0F);  // −1: not examined yet
     std::vector<Eigen::Vector3i> frontier;
     const auto free = [&](const Eigen::Vector3i& n) {
       float& c = clear[index(n)];

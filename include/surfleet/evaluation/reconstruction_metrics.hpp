@@ -58,7 +58,7 @@ struct EvaluationOptions {
     return density.value_or(32.0 / (std::numbers::pi * d * d));
   }
   double depth() const { return max_depth.value_or(2.0 * e_max); }
-  /// How far off a part of the reconstruction that faces a point is looked for [m].
+  /// How far off a part of the reconstruction that faces a point is searched [m].
   double coverage_reach() const { return 3.0 * e_max; }
 };
 

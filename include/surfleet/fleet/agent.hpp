@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What one robot does, alone or in any fleet: look, check its stops, set out, give way,
+/// @brief What one robot does, alone or in any fleet: observe, check its stops, set out, give way,
 /// move.
 #pragma once
 
@@ -19,10 +19,10 @@
 #include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/endurance.hpp>
 #include <surfleet/fleet/note_views_in_vain.hpp>
+#include <surfleet/fleet/path_around.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
 #include <surfleet/fleet/watchful_view.hpp>
-#include <surfleet/fleet/way_around.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
 #include <surfleet/motion/traffic_policy.hpp>
@@ -33,7 +33,7 @@ namespace surfleet {
 struct AgentOptions {
   double image_period = 0.25;  ///< Between images, and the step of the agent's clock [s].
   double max_dwell = 10.0;     ///< Longest stay at a stop [s].
-  bool watchful = true;        ///< On the way, turn to what there is to see.
+  bool watchful = true;        ///< In flight, turn to what there is to see.
   double utility_share = 0.2;  ///< Share of a route's elements whose completion asks for a new
                                ///< plan, unless the planner says another: c_thres.
   EnduranceLimits endurance{};
@@ -42,7 +42,7 @@ struct AgentOptions {
 
 /// Carries out the routes of one robot on what is believed [000 §2.5.3, 3.5.2, Alg. 1, 3].
 ///
-/// A route is a list of stops; the first is under way. Who owns the belief and who calls the
+/// A route is a list of stops; the first is under way. Which part owns the belief and calls the
 /// planner is not the agent's affair: in a fleet with one map agents share it, and call in this
 /// order, each for all of them: `sense`, `integrate`, `check_stop`, `accept` what is planned,
 /// `set_out`, `announce` and `hear`, `move`.
@@ -97,9 +97,9 @@ class Agent {
     if (!moving() && body_->standing()) t.path.clear();
     return t;
   }
-  /// Whether it still has its first look around.
+  /// Whether it still turns for its first views all around.
   bool scanning() const { return phase_ == Phase::scanning; }
-  /// Whether it neither moves nor looks nor has anything to do.
+  /// Whether it neither moves nor observes nor has anything to do.
   bool at_rest() const {
     return phase_ == Phase::waiting && route_.empty() && body_->standing() &&
            (!retired_ || retired_ == StopReason::stranded || is_home());
@@ -122,7 +122,7 @@ class Agent {
   /// Leaves a stop when it has served, and a goal that is none any more; stops before obstacles.
   void check_stop() {
     if (!given_up_.empty()) belief_->not_reached(std::exchange(given_up_, {}));
-    if (phase_ == Phase::looking) {
+    if (phase_ == Phase::observing) {
       ++images_;
       bool done = true;
       std::size_t needed = 0;
@@ -156,7 +156,7 @@ class Agent {
   }
 
   // -- planning ----------------------------------------------------------------------------------
-  /// Leaves what it was about to do to somebody else, and asks for other work at once.
+  /// Leaves what it was about to do to other robots, and asks for other work at once.
   void give_up_to_others(double time) {
     route_.clear();
     initial_work_ = 0;
@@ -185,7 +185,7 @@ class Agent {
   }
   /// Sets out for the next stop if it waits for that, or turns to it in flight.
   void set_out(double time) {
-    if (endurance_.must_return(time, [this] { return way_home(body_->estimate().position); }))
+    if (endurance_.must_return(time, [this] { return distance_home(body_->estimate().position); }))
       retire(StopReason::endurance);
     if (phase_ != Phase::waiting) return;
     if (retired_ && route_.empty() && !at_rest() && time >= idle_until_) route_ = {{home_, {}}};
@@ -197,12 +197,12 @@ class Agent {
   }
 
   // -- motion ------------------------------------------------------------------------------------
-  /// What a teammate has told. Call `announce` and pass it on, all before anybody moves.
+  /// What a teammate has told. Call `announce` and pass it on, all before any robot moves.
   void hear(const TrafficAgent& mate) { heard_[mate.id] = mate; }
   /// Forgets what teammates have told of their motion.
   void forget_traffic() { heard_.clear(); }
   /// Moves on by an image period, with regard to what the others have told. Different agents at
-  /// once, if somebody has asked for the belief's goals before.
+  /// once, if the belief's goals were asked for before.
   void move(double time) {
     if (!(heard_.empty() && seen_.empty()) && phase_ != Phase::scanning) give_way(time);
     if (phase_ == Phase::scanning && (quarters_ == 0 || body_->finished())) {
@@ -216,21 +216,21 @@ class Agent {
       }
     }
     if (phase_ == Phase::flying && watches()) {
-      const Configuration look = view_under_way(*belief_, space(), body_->estimate().position,
+      const Configuration view = view_under_way(*belief_, space(), body_->estimate().position,
                                                 polyline_length(body_->remaining()),
                                                 route_.front().configuration, replan_.watch_on);
-      body_->watch(look.yaw);
-      tilt(look.pitch);
+      body_->watch(view.yaw);
+      tilt(view.pitch);
     }
     if (!held_) held_until_ = time + kLongestHold;
     if (phase_ == Phase::flying && time > held_until_) give_up_route();
     body_->advance(options_.image_period);
     endurance_.moved_to(body_->estimate().position);
-    if (phase_ == Phase::flying && has_arrived()) phase_ = Phase::looking;
+    if (phase_ == Phase::flying && has_arrived()) phase_ = Phase::observing;
   }
 
  private:
-  enum class Phase : std::uint8_t { scanning, waiting, flying, looking, aside };
+  enum class Phase : std::uint8_t { scanning, waiting, flying, observing, aside };
 
   const KindSpace& space() const { return belief_->space(kind_); }
   const RobotKind& kind() const { return space().kind; }
@@ -241,7 +241,7 @@ class Agent {
     const double pitch = GimballedBody<Body> ? route_.front().configuration.pitch : 0.0;
     return body_->finished() && std::abs(body_->estimate().pitch - pitch) < kSamePitch;
   }
-  /// Whether it turns to what there is to see on its way.
+  /// Whether it turns to what there is to see in flight.
   bool watches() const { return options_.watchful && !kind().sees_all_around(); }
   bool moving() const { return phase_ == Phase::flying || phase_ == Phase::aside; }
 
@@ -278,7 +278,7 @@ class Agent {
     phase_ = Phase::waiting;
     held_ = false;
   }
-  /// As `halt`, but who may turn in flight goes on until `set_out` has asked where to.
+  /// As `halt`, but a robot that may turn in flight goes on until `set_out` has asked where to.
   void leave_goal() {
     if (!replan_.turn_in_flight || held_ || phase_ != Phase::flying) return halt();
     phase_ = Phase::waiting;
@@ -297,7 +297,7 @@ class Agent {
         route_.erase(route_.begin());
         continue;
       }
-      if (const auto path = way_to(stop.configuration.position)) {
+      if (const auto path = path_to(stop.configuration.position)) {
         if (affords(*path, time)) return set_off(*path);
         too_far = true;
       } else {
@@ -311,22 +311,22 @@ class Agent {
     else
       rest(time);
   }
-  /// Idle mates give way to who has work; among those that go home nobody would.
-  std::optional<Path> way_to(const Point3& goal) const {
+  /// Idle mates give way to robots with work; among those that go home none would.
+  std::optional<Path> path_to(const Point3& goal) const {
     std::vector<Point3> standing;
     for (const auto& [id, mate] : heard_)
       if (retired_ && polyline_length(mate.path) < kStanding) standing.push_back(mate.position);
-    return way_around(space(), body_->estimate().position, goal, standing,
-                      2.0 * kind().body_radius + traffic_.options.standing_gap());
+    return path_around(space(), body_->estimate().position, goal, standing,
+                       2.0 * kind().body_radius + traffic_.options.standing_gap());
   }
   bool is_home() const { return (body_->estimate().position - home_.position).norm() < kHome; }
-  double way_home(const Point3& from) const {
+  double distance_home(const Point3& from) const {
     const auto path = space().roadmap.query(from, home_.position);
     return path ? path->length : std::numeric_limits<double>::infinity();
   }
   bool affords(const Path& path, double time) const {
     return retired_ || !endurance_.limited() ||
-           endurance_.affords(path.length + way_home(path.points.back()), time);
+           endurance_.affords(path.length + distance_home(path.points.back()), time);
   }
   /// Whether the robot, under way to a goal that is none any more, could turn to its next stop.
   bool turns(double time) {
@@ -336,13 +336,13 @@ class Agent {
     const auto path =
         space().roadmap.query(body_->estimate().position, route_.front().configuration.position);
     if (!path || retired_ || !affords(*path, time)) return false;
-    // Who has to turn back is sooner there if it brakes first.
+    // A robot that has to turn back is sooner there if it brakes first.
     if (path->points.size() > 1 && body_->velocity().dot(path->points[1] - path->points[0]) < 0.0)
       return false;
     // The turn leads off the path as far as the robot needs to come round.
-    const std::vector<Point3> way = body_->way_onto(path->points);
-    for (std::size_t i = 1; i < std::min<std::size_t>(way.size(), 3); ++i)
-      if (!space().free.is_free_segment(way[i - 1], way[i])) return false;
+    const std::vector<Point3> onto = body_->path_onto(path->points);
+    for (std::size_t i = 1; i < std::min<std::size_t>(onto.size(), 3); ++i)
+      if (!space().free.is_free_segment(onto[i - 1], onto[i])) return false;
     set_off(*path);
     return true;
   }
@@ -388,7 +388,7 @@ class Agent {
       case Maneuver::Kind::step_aside:
         if (phase_ == Phase::aside && !body_->finished() &&
             (m.target - aside_).norm() < kind().body_radius) {
-          // The place is still good; the way there must be, too.
+          // The place is still good; the path there must be, too.
           const bool hold = traffic_.too_close(self, traffic) >= 0;
           if (hold && !held_) body_->stop();
           if (!hold && held_) body_->resume();
@@ -399,8 +399,8 @@ class Agent {
           held_ = was_moving;
         } else {
           const Configuration at = body_->estimate();
-          const std::array<Point3, 2> way{at.position, m.target};
-          body_->follow(way, at.yaw, std::nullopt);
+          const std::array<Point3, 2> path{at.position, m.target};
+          body_->follow(path, at.yaw, std::nullopt);
           aside_ = m.target;
           phase_ = Phase::aside;
           held_ = false;
@@ -434,7 +434,7 @@ class Agent {
   Stops route_;                   // what is left to do; the first stop is under way
   std::size_t initial_work_ = 0;  // elements the route was made for
   ReplanRule replan_;             // of the plan that the route is from
-  std::size_t quarters_ = 0;      // of the first look around, a turn at each pitch
+  std::size_t quarters_ = 0;      // of the first turn all around, one at each pitch
   double idle_until_ = 0.0;       // no new request before [s]
   double pause_ = kIdle;          // until the next request if this one gives nothing [s]
   std::size_t images_ = 0;        // taken at this stop

@@ -20,8 +20,8 @@ class CentralPlanning {
 
   explicit CentralPlanning(Planner p = {}) : requests(std::move(p)) {}
 
-  /// Plans if that is due, hands out the routes, and lets everybody set out. `agents` are the
-  /// team's, by ascending id. Nothing while anybody still looks around for the first time.
+  /// Plans if that is due, hands out the routes, and lets all set out. `agents` are the team's, by
+  /// ascending id. Nothing while any robot still turns for its first views.
   template <typename Agents>
   void operator()(Agents& agents, const SurfaceBelief& belief, double time) {
     bool ask = all_at_rest(agents);
@@ -32,8 +32,8 @@ class CentralPlanning {
     if (ask) request(agents, belief, time);
     for (auto& a : agents) a->set_out(time);
   }
-  /// Done when nobody has anything to do and the planner, asked on this very map, found nothing, or
-  /// time after time nothing that can be reached.
+  /// Done when no robot has anything to do and the planner, asked on this very map, found nothing,
+  /// or time after time nothing that can be reached.
   template <typename Agents>
   bool finished(const Agents& agents, const SurfaceBelief& belief) const {
     return all_at_rest(agents) && requests.exhausted(belief);

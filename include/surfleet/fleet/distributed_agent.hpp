@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
 /// @brief One robot of a distributed fleet: a map, a planner and a voice of its own [000 ch. 4].
-///
-///     agent.look(now, inbox);               // receive, sense, map, check stops, plan
+///     agent.observe(now, inbox);            // receive, sense, map, check stops, plan
 ///     for (auto& m : agent.act(now)) …      // give way, move, and what there is to tell
 #pragma once
 
@@ -32,7 +31,7 @@ namespace surfleet {
 /// The agent of one robot with its own belief, made of its own and others' patches. It plans for
 /// itself and for mates without work, and takes its own route of that plan (dist-TSGA [000 Alg. 5],
 /// or any other planner by the same rule); mates under way keep the routes they told. Alone, for as
-/// long as nobody is heard, it is the single architecture.
+/// long as no mate is heard, it is the single architecture.
 template <RobotBody Body, FleetPlanner Planner = AnyPlanner, BytePacker Packer = AnyPacker>
 class DistributedAgent {
  public:
@@ -86,11 +85,11 @@ class DistributedAgent {
  public:
   /// Hears what has come in, takes an image and maps it, checks its stop, and plans if that is due.
   /// Different agents at once.
-  void look(double now, std::span<const Message<Packet>> inbox) {
+  void observe(double now, std::span<const Message<Packet>> inbox) {
     now_ = now;
     receive(inbox);
     agent_.sense();
-    // Who is at rest sees nothing new, and patches without end would let nobody come to an end.
+    // A robot at rest sees nothing new, and patches without end would let no mission end.
     const bool works = !agent_.at_rest() && !leaving_;
     if (works) {
       recorder_.integrate(agent_.reading(), belief_.space(0).kind.sensor(), agent_.sensor_pose());
@@ -191,7 +190,7 @@ class DistributedAgent {
     next_estimate_ = std::max(kEstimates * now_, now_ + kFirstEstimate);
     return belief_.estimate_coverage().share() >= *options_.coverage_goal;
   }
-  /// Whether it has seen, or looked for in vain, what is in no patch yet.
+  /// Whether it has seen, or viewed in vain, what is in no patch yet.
   bool has_untold() const { return recorder_.images() > 0 || belief_.ledger().has_news(); }
   void plan() {
     if (agent_.scanning() || agent_.stop_reason()) return;

@@ -18,7 +18,7 @@ struct DistributedAgentOptions {
   double least_gain = 0.0;         ///< See `PlanRequests::least_gain` [m²/m].
   /// A robot by whose own account so much is covered flies home, a share.
   std::optional<double> coverage_goal{};
-  bool returns_home = false;  ///< When nothing is left for anybody, before it is finished.
+  bool returns_home = false;  ///< When nothing is left for any robot, before it is finished.
   PatchSyncOptions sync;
   TeamRelayOptions relay;
   RedundancyOptions redundancy;

@@ -17,10 +17,10 @@ namespace surfleet {
 /// Why a robot does no more.
 enum class StopReason : std::uint8_t {
   complete,       ///< There was nothing left to do.
-  enough,         ///< What was left was worth less than the least gain.
+  enough,         ///< What was left would have gained less than the least gain.
   coverage_goal,  ///< The share that was asked for is reached, by the mission's own account.
   endurance,      ///< It had to be back at its start.
-  stranded,       ///< It found no way back to its start.
+  stranded,       ///< It found no path back to its start.
   ended           ///< The mission was ended, by time or from outside.
 };
 inline std::string_view name_of(StopReason reason) {
@@ -39,8 +39,9 @@ struct EnduranceLimits {
 
 /// A robot's account of its charge.
 ///
-/// A reserve is kept beyond the way home: to brake and come round, and a tenth of the way, as paths
-/// are followed with cut corners and steps aside. In time, also for turning about and for waiting.
+/// A reserve is kept beyond the path home: to brake and come round, and a tenth of the path, as
+/// paths are followed with cut corners and steps aside. In time, also for turning about and for
+/// waiting.
 class Endurance {
  public:
   /// Throws `Error` on limits that are not positive.
@@ -57,24 +58,24 @@ class Endurance {
   void moved_to(const Point3& position) {
     const double step = (position - last_).norm();
     travelled_ += step;
-    way_home_ += step;  // it cannot have become longer by more
+    distance_home_ += step;  // it cannot have become longer by more
     last_ = position;
   }
-  /// Whether a flight of `metres` at `time`, the way home included, leaves the reserve.
+  /// Whether a flight of `metres` at `time`, the flight home included, leaves the reserve.
   bool affords(double metres, double time) const {
     const double stop = motion_.speed * motion_.speed / motion_.braking;
-    const double way = kDetour * metres + 2.0 * stop + motion_.speed;
-    if (limits_.distance && travelled_ + way > *limits_.distance) return false;
+    const double length = kDetour * metres + 2.0 * stop + motion_.speed;
+    if (limits_.distance && travelled_ + length > *limits_.distance) return false;
     const double turning = 2.0 * kPi / motion_.yaw_rate + motion_.speed / motion_.acceleration;
-    return !limits_.time || time + way / motion_.speed + turning + kWaiting <= *limits_.time;
+    return !limits_.time || time + length / motion_.speed + turning + kWaiting <= *limits_.time;
   }
-  /// Whether it has to set out for home now. `way_home()` [m] is asked for only when a bound from
-  /// the last answer does not decide.
-  template <typename WayHome>
-  bool must_return(double time, const WayHome& way_home) {
-    if (!limited() || affords(way_home_, time)) return false;
-    way_home_ = way_home();
-    return !affords(way_home_, time);
+  /// Whether it has to set out for home now. `distance_home()` [m] is asked for only when a bound
+  /// from the last answer does not decide.
+  template <typename DistanceHome>
+  bool must_return(double time, const DistanceHome& distance_home) {
+    if (!limited() || affords(distance_home_, time)) return false;
+    distance_home_ = distance_home();
+    return !affords(distance_home_, time);
   }
 
  private:
@@ -85,6 +86,6 @@ class Endurance {
   AerialLimits motion_;
   Point3 last_, home_;
   double travelled_ = 0.0;
-  double way_home_ = 0.0;  // a bound
+  double distance_home_ = 0.0;  // a bound
 };
 }  // namespace surfleet

@@ -100,15 +100,15 @@ class Impaired {
     for (auto& [id, sender] : senders_) pump(sender, now);
     now_ = now;
   }
-  /// See `Transport`. O(n log n) of what is on its way to the robot.
+  /// See `Transport`. O(n log n) of what is in transit to the robot.
   std::vector<Message<Payload>> receive(RobotId robot) {
     pull(robot, now_);
     std::vector<Message<Payload>> arrived;
     auto& box = boxes_[robot];
-    const auto on_its_way = std::stable_partition(
-        box.begin(), box.end(), [&](const Underway& u) { return u.arrives > now_; });
-    for (auto it = on_its_way; it != box.end(); ++it) arrived.push_back(std::move(it->message));
-    box.erase(on_its_way, box.end());
+    const auto in_transit = std::stable_partition(
+        box.begin(), box.end(), [&](const InTransit& u) { return u.arrives > now_; });
+    for (auto it = in_transit; it != box.end(); ++it) arrived.push_back(std::move(it->message));
+    box.erase(in_transit, box.end());
     std::stable_sort(
         arrived.begin(), arrived.end(), [](const Message<Payload>& a, const Message<Payload>& b) {
           return std::tie(a.time, a.from, a.sequence) < std::tie(b.time, b.from, b.sequence);
@@ -148,7 +148,7 @@ class Impaired {
     double free_at = 0.0;
     std::optional<Waiting> on_air;  // done at `free_at`
   };
-  struct Underway {
+  struct InTransit {
     double arrives = 0.0;
     Message<Payload> message;
   };
@@ -214,7 +214,7 @@ class Impaired {
   std::vector<RobotId> here_;
   double now_ = 0.0;
   std::map<RobotId, Sender> senders_;
-  std::map<RobotId, std::vector<Underway>> boxes_;
+  std::map<RobotId, std::vector<InTransit>> boxes_;
   std::map<std::pair<RobotId, RobotId>, double> last_arrival_;
   std::map<std::pair<RobotId, std::uint8_t>, std::uint64_t> sent_;
   std::array<std::uint64_t, kNetworkDrops> dropped_{};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What of a robot's mail is read at all: whole packets of its team, each once, and from
-/// nobody more than his share.
+/// @brief What of a robot's mail is read at all: whole packets of its team, each once, and from no
+/// sender more than its share.
 #pragma once
 
 #include <algorithm>
@@ -84,7 +84,7 @@ class MessageGuard {
   explicit MessageGuard(RobotId self, MessageGuardOptions options = {})
       : self_(self), options_(options) {}
 
-  /// The packet, opened, or nothing. `from` is who the transport says it is from. The view lasts as
+  /// The packet, opened, or nothing. `from` is the sender by the transport. The view lasts as
   /// long as the bytes.
   std::optional<Envelope> admit(RobotId from, std::span<const std::byte> bytes, double now) {
     if (from >= options_.robots || from == self_) return drop(MessageDrop::foreign);

@@ -17,12 +17,12 @@
 #include <surfleet/core/transport.hpp>
 
 namespace surfleet {
-/// For a time, robots hear only those of their own group; those whom no group names are one, too.
+/// For a time, robots hear only those of their own group; those that no group names are one, too.
 struct NetworkPartition {
   double from = 0.0, until = 0.0;  ///< [s]
   std::vector<std::vector<RobotId>> groups;
 };
-/// For a time, one does not hear another, whatever the other way does.
+/// For a time, one does not hear another, whatever the opposite direction does.
 struct OneWayCut {
   double from = 0.0, until = 0.0;  ///< [s]
   RobotId sender = 0, receiver = 0;

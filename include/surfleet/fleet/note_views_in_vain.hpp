@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What a robot has looked at for long enough, and has not come to know.
+/// @brief What a robot has viewed for long enough, and has not come to know.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,9 @@
 #include <surfleet/viewpoint/revealing_view.hpp>
 
 namespace surfleet {
-/// After `images` from a stop, of at most `most_images`: whatever was in fair view for long enough
-/// and is still incomplete, and what the stop was for in any case, was looked at in vain. Not for
-/// use while goals are stale. O(goals · rays).
+/// After `images` from a stop, of at most `most_images`: whatever was viewed at a fair angle for
+/// long enough and is still incomplete, and what the stop was for in any case, was viewed in vain.
+/// Not for use while goals are stale. O(goals · rays).
 inline void note_views_in_vain(SurfaceBelief& belief, const KindSpace& space,
                                const Configuration& at, const Stop& stop, std::size_t images,
                                std::size_t most_images) {

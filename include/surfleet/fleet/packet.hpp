@@ -10,8 +10,8 @@
 /// | … | body |
 /// | 4 | CRC-32 of everything before (uint32) |
 ///
-/// The checksum tells damage, not forgery: without a transport that proves who sent what, a sender
-/// is who he says he is.
+/// The checksum tells damage, not forgery: without a transport that proves senders, a sender is
+/// taken to be what it says it is.
 #pragma once
 
 #include <cstddef>
@@ -52,7 +52,7 @@ struct Outgoing {
   Bytes body;
 };
 
-/// Who says what; `body` is a view of the packet's bytes.
+/// Sender and kind; `body` is a view of the packet's bytes.
 struct Envelope {
   MessageKind kind = MessageKind::state;
   std::uint32_t team = 0;

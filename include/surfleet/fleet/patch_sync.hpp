@@ -3,9 +3,9 @@
 /// @brief How the robots of a team come to hold the same patches, whatever gets lost
 /// [000 §4.4.1].
 ///
-/// Who closes a patch sends it once. All say from time to time, and soon after a change, what they
-/// hold; who misses something asks the nearest who has it, after a time the next. One request a
-/// patch is out at a time; when all were asked, it waits longer and longer.
+/// A robot that closes a patch sends it once. All say from time to time, and soon after a change,
+/// what they hold; one that misses something asks the nearest that has it, after a time the next.
+/// One request a patch is out at a time; when all were asked, it waits longer and longer.
 #pragma once
 
 #include <algorithm>
@@ -31,10 +31,10 @@ namespace surfleet {
 struct PatchSyncOptions {
   double digest_period = 1.0;       ///< Between messages of what is held, if nothing changes [s].
   double digest_gap = 0.25;         ///< At least, if something does [s].
-  double first_timeout = 2.0;       ///< For an answer of one who never answered [s].
+  double first_timeout = 2.0;       ///< For an answer of one that never answered [s].
   double least_timeout = 0.25;      ///< [s]
   double longest_timeout = 30.0;    ///< Also of the pause when all were asked in vain [s].
-  double silence = 3.0;             ///< Who was not heard for so long is not asked [s].
+  double silence = 3.0;             ///< One not heard for so long is not asked [s].
   double grace = 0.5;               ///< For what is announced to come by itself [s].
   std::size_t requests = 8;         ///< Most patches asked of one mate at a time.
   std::size_t known_missing = 512;  ///< Most of one mate's patches that are kept in mind.
@@ -61,7 +61,7 @@ class PatchSync {
  public:
   Packer packer;
   PatchLimits limits;  ///< What others' patches may be.
-  /// How far away a mate is, for whom to ask first [m]; if not said, all are as near.
+  /// How far away a mate is [m]: the nearest is asked first; if not given, all are as near.
   std::function<double(RobotId)> distance;
 
   explicit PatchSync(RobotId self, PatchSyncOptions options = {}, PatchLimits l = {}, Packer p = {})
@@ -258,12 +258,12 @@ class PatchSync {
   }
   /// The nearest mate that has the patch and was not asked in this round.
   std::optional<RobotId> holder(const PatchKey& key, const Want& want, double now,
-                                bool& anybody) const {
+                                bool& held) const {
     std::optional<RobotId> best;
     double least = std::numeric_limits<double>::infinity();
     for (const auto& [id, mate] : mates_) {
       if (now - mate.heard > options_.silence || !mate.holds.contains(key)) continue;
-      anybody = true;
+      held = true;
       if (const auto t = want.tries.find(id);
           t != want.tries.end() && t->second.round == want.round)
         continue;
@@ -283,9 +283,9 @@ class PatchSync {
       if (want.asked) {
         ++under_way[*want.asked];
       } else {
-        bool anybody = false;
-        const bool found = holder(it->first, want, now, anybody).has_value();
-        if (!anybody) {  // until somebody says again to have it
+        bool held = false;
+        const bool found = holder(it->first, want, now, held).has_value();
+        if (!held) {  // until a mate says again to have it
           it = wanted_.erase(it);
           continue;
         }
@@ -304,14 +304,14 @@ class PatchSync {
       }
       ++it;
     }
-    // A mate that claims what is not there keeps its own places busy, and nobody else's.
+    // A mate that claims what is not there keeps its own places busy, and no other's.
     std::stable_sort(due.begin(), due.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::map<RobotId, PatchIdSet> requests;
     for (const auto& [since, key] : due) {
-      bool anybody = false;
+      bool held = false;
       Want& want = wanted_.at(key);
-      const RobotId mate = *holder(key, want, now, anybody);
+      const RobotId mate = *holder(key, want, now, held);
       if (under_way[mate] >= options_.requests) continue;
       want.asked = mate;
       want.tries[mate] = {now, want.round};

@@ -21,8 +21,8 @@ template <FleetPlanner Planner>
 class PlanRequests {
  public:
   Planner planner;
-  /// Routes that are expected to show less new surface for a metre flown are not worth it, and left
-  /// out of the plan [m²/m]; 0: none.
+  /// Routes that are expected to show less new surface for a metre flown are left out of plans
+  /// [m²/m]; 0: none.
   double least_gain = 0.0;
   /// Told of every question and its answer, before the answer is carried out.
   std::function<void(const SurfaceSituation&, const Plan&)> on_plan;
@@ -61,20 +61,20 @@ class PlanRequests {
   /// Whether, of this very map, it found nothing, or time after time nothing that can be reached.
   bool exhausted(const SurfaceBelief& belief) const {
     return up_to_date(belief) &&
-           (nothing_planned_ || vain_plans_ > belief.options().looks.max_failures);
+           (nothing_planned_ || vain_plans_ > belief.options().ledger.max_failures);
   }
 
   /// What the routes that the last plan left out, as they did not pay, would have brought; nothing
   /// if there were none.
   const std::optional<Outlook>& left_out() const { return left_out_; }
-  /// The elements that the last plan had no way to see.
+  /// The elements that the last plan had no view of.
   const std::vector<std::pair<VoxelIndex, LeftReason>>& impossible() const { return impossible_; }
   std::size_t plans() const { return plans_; }
   double planning_time() const { return planning_time_; }  ///< Of the machine [s].
 
  private:
   /// By what a route's stops are for, along straight lines. Stops that are for no element, but to
-  /// see what is there, may be worth anything.
+  /// see what is there, may gain anything.
   static std::optional<Outlook> by_targets(const SurfaceSituation& s, RobotId id,
                                            const Stops& route) {
     const double area = s.belief.voxel_size() * s.belief.voxel_size();
@@ -96,10 +96,10 @@ class PlanRequests {
       const auto told = plan.outlook.find(id);
       const auto outlook =
           told != plan.outlook.end() ? std::optional(told->second) : by_targets(s, id, route);
-      if (!outlook || outlook->gain >= least_gain * outlook->way) continue;
+      if (!outlook || outlook->gain >= least_gain * outlook->distance) continue;
       if (!left_out_) left_out_.emplace();
       left_out_->gain += outlook->gain;
-      left_out_->way += outlook->way;
+      left_out_->distance += outlook->distance;
       route.clear();
     }
   }

@@ -18,7 +18,7 @@
 namespace surfleet {
 struct RedundancyOptions {
   double radius = 1.0;           ///< Stops this near are the same, d_ν / 2 [m] …
-  double angle = radians(45.0);  ///< … if they look the same way.
+  double angle = radians(45.0);  ///< … if their headings differ by less.
   double shared = 0.5;           ///< So are those that share this part of either's targets.
 };
 

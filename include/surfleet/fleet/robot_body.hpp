@@ -24,9 +24,9 @@ struct SeenRobot {
 /// - `estimate()`: where it believes to be; `neighbours()`: where it saw teammates when it last
 ///   took an image, all that are near and in doubt too many.
 /// - `follow(path, yaw, watch)`: sets out along `path`, whose first point is where it is, to end
-///   with heading `yaw`; on the way it looks to `watch` if that is given, which `watch(yaw)`
-///   changes.
-/// - `way_onto(path)`: the way that `follow` would take from the course it is on.
+///   with heading `yaw`; until then it turns to the heading `watch` if that is given, which
+///   `watch(yaw)` changes.
+/// - `path_onto(path)`: the path that `follow` would take from the course it is on.
 /// - `stop()`, `resume()`: brakes, and goes on along the same path.
 /// - `remaining()`: the path ahead; `stopping_distance()` [m]; `velocity()` [m/s].
 /// - `standing()`, `braking()`, `finished()`: at the end of the path with the heading asked for.
@@ -41,7 +41,7 @@ concept RobotBody = requires(B& body, const B& now, std::span<const Point3> path
   { now.neighbours() } -> std::convertible_to<std::vector<SeenRobot>>;
   body.follow(path, x, watch);
   body.watch(x);
-  { now.way_onto(path) } -> std::convertible_to<std::vector<Point3>>;
+  { now.path_onto(path) } -> std::convertible_to<std::vector<Point3>>;
   body.stop();
   body.resume();
   { now.remaining() } -> std::convertible_to<std::vector<Point3>>;

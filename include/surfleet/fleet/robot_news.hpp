@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief A robot's state or route on its way through a team, as bytes.
+/// @brief A robot's state or route, relayed through a team, as bytes.
 ///
-/// A body of kind `state`: whom its sender hears itself (number, then ids); number of news; of
-/// each: robot, incarnation, number (varints); hops (uint8); age [s] (float32); then kind (varint),
-/// idle, held, cornered, first, done, tilted (bits of a uint8), if done what it holds (uint64),
-/// position and yaw (4 × float64), if tilted its pitch (float64), the path ahead (number, 3 ×
-/// float32 a point). A body of kind `route`: number of news, 65536 more if stops are tilted; of
+/// A body of kind `state`: the robots that its sender hears itself (number, then ids); number of
+/// news; of each: robot, incarnation, number (varints); hops (uint8); age [s] (float32); then kind
+/// (varint), idle, held, cornered, first, done, tilted (bits of a uint8), if done what it holds
+/// (uint64), position and yaw (4 × float64), if tilted its pitch (float64), the path ahead (number,
+/// 3 × float32 a point). A body of kind `route`: number of news, 65536 more if stops are tilted; of
 /// each the same beginning, and then its stops (number); of each position and yaw (4 × float64), if
 /// they are tilted its pitch (float64), and its targets (number, 3 zigzag varints a voxel).
 #pragma once
@@ -27,10 +27,10 @@
 #include <surfleet/planning/plan.hpp>
 
 namespace surfleet {
-/// Which news, and how it came. Ages count from when things were said and heard: nobody's clock is
+/// Which news, and how it came. Ages count from when things were said and heard: no clock is
 /// compared with another's.
 struct NewsHead {
-  RobotId robot = 0;              ///< Whose state or route.
+  RobotId robot = 0;              ///< The robot whose state or route it is.
   std::uint32_t incarnation = 0;  ///< Of that robot.
   std::uint32_t number = 0;       ///< Later news have higher ones.
   std::uint8_t hops = 0;          ///< Robots that passed it on.
@@ -49,7 +49,7 @@ struct RouteNews {
   Stops route;
 };
 struct StateMessage {
-  std::set<RobotId> hears;  ///< Whom its sender hears itself.
+  std::set<RobotId> hears;  ///< The robots that its sender hears itself.
   std::vector<StateNews> news;
 };
 

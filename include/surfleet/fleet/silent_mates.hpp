@@ -12,7 +12,7 @@
 #include <surfleet/motion/traffic_policy.hpp>
 
 namespace surfleet {
-/// Adds those of `seen` that none of `told` is at. Nobody knows where they go: they are as large as
+/// Adds those of `seen` that none of `told` is at. Where they go is unknown: they are as large as
 /// all that a robot like `self` reaches before it sees a reason to brake and stands. They come last
 /// by right of way. O(seen · told).
 inline void add_silent_mates(std::span<const SeenRobot> seen,

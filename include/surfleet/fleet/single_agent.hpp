@@ -35,7 +35,7 @@ class SingleAgent {
   SingleAgent(const SingleAgent&) = delete;
   SingleAgent& operator=(const SingleAgent&) = delete;
 
-  /// Looks, maps, checks its stop, plans if that is due, and moves on. To be called about every
+  /// Observes, maps, checks its stop, plans if that is due, and moves on. To be called about every
   /// `AgentOptions::image_period`, with the time [s].
   void step(double now) {
     Agent<Body>& agent = *agents_[0];

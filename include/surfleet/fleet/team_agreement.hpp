@@ -22,7 +22,7 @@ namespace surfleet {
 struct TeamAgreement {
   static constexpr std::uint32_t kProtocol = 4;
   std::string team;
-  RobotId robot = 0;  ///< Who says so.
+  RobotId robot = 0;  ///< The one that says so.
   std::uint32_t protocol = kProtocol;
   std::uint32_t robots = 0;   ///< Of the team at the most.
   double voxel = 0.0;         ///< [m]
@@ -94,13 +94,13 @@ struct TeamAgreement {
 /// team, as robots of two would know nothing of each other.
 inline std::optional<std::string> disagreement(const TeamAgreement& ours,
                                                const TeamAgreement& theirs) {
-  const std::string who = "robot " + std::to_string(theirs.robot + 1) + " of team " + theirs.team;
+  const std::string robot = "robot " + std::to_string(theirs.robot + 1) + " of team " + theirs.team;
   const auto differs = [&](const std::string& what, const std::string& is) {
-    return who + " has " + what + " " + is + "; expected the same of all";
+    return robot + " has " + what + " " + is + "; expected the same of all";
   };
-  if (theirs.team != ours.team) return who + " flies here; expected the same team of all";
+  if (theirs.team != ours.team) return robot + " flies here; expected the same team of all";
   if (theirs.protocol != ours.protocol) return differs("protocol", std::to_string(theirs.protocol));
-  if (theirs.robot == ours.robot) return who + " is alive elsewhere; expected another id";
+  if (theirs.robot == ours.robot) return robot + " is alive elsewhere; expected another id";
   if (theirs.robots != ours.robots) return differs("a team of", std::to_string(theirs.robots));
   if (theirs.voxel != ours.voxel) return differs("voxels of", TeamAgreement::exact(theirs.voxel));
   if (theirs.truncation != ours.truncation)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief When one robot of a distributed fleet is to go, and who of its team did not end with it.
+/// @brief When one robot of a distributed fleet is to go, and which of its team did not end with
+/// it.
 ///
 ///     end.observe(robot, now);
 ///     if (end.over(now)) break;
@@ -27,7 +28,7 @@ class TeamEnd {
  public:
   explicit TeamEnd(TeamEndOptions options = {}) : options_(options) {}
 
-  /// Call after every look. `Robot` is a `DistributedAgent`.
+  /// Call after every `observe`. `Robot` is a `DistributedAgent`.
   template <typename Robot>
   void observe(const Robot& robot, double now) {
     const std::uint64_t digest = robot.patches().digest();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Who is of the team, where they are and what they are about, heard from themselves or from
-/// those between [000 §4.3].
+/// @brief Which robots are of the team, where they are and what they do, heard from themselves or
+/// from those between [000 §4.3].
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ struct TeamRelayOptions {
 };
 
 /// One robot's part: says its own state and route, and passes on what it has heard of a robot that
-/// one of those it hears does not hear itself. Where everybody hears everybody, nothing is passed
+/// one of those it hears does not hear itself. Where all hear all, nothing is passed
 /// on; where a chain is the only link, news travel along it and grow older. A robot whose clock is
 /// wrong is as good as any.
 class TeamRelay {
@@ -126,7 +126,7 @@ class TeamRelay {
   bool is_current(const RobotState& mate) const {
     return mate.age <= options_.silence * (1 + hops_of(mate.id).value_or(0));
   }
-  /// Whether nobody is of our team: the single architecture.
+  /// Whether no mate is heard: the single architecture.
   bool alone(double now) const { return mates(now).empty(); }
   const Counts& counts() const { return counts_; }
 
@@ -175,7 +175,7 @@ class TeamRelay {
       ++counts_.beyond;
       return nullptr;
     }
-    // Nobody speaks for himself through others, nor for others as himself.
+    // No robot speaks for itself through others, nor for others as itself.
     if (head.robot == self_ || (head.hops == 0) != (head.robot == sender)) return nullptr;
     Mate& mate = mates_[head.robot];
     return mate.*known && !head.newer_than((mate.*known)->head) ? nullptr : &mate;
@@ -191,8 +191,8 @@ class TeamRelay {
       Mate& mate = *known;
       if (mate.state && mate.state->head.incarnation == n.head.incarnation) {
         const double between = std::max(0.0, *age_of(mate, now) - n.head.age);
-        const double way = (n.state.at.position - mate.state->state.at.position).norm();
-        if (way > options_.slack + options_.speed * (between + n.head.age)) {
+        const double moved = (n.state.at.position - mate.state->state.at.position).norm();
+        if (moved > options_.slack + options_.speed * (between + n.head.age)) {
           ++counts_.jumps;
           continue;
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Where a robot under way looks to see most of what is to be seen.
+/// @brief The view of the most incomplete surface for a robot under way.
 #pragma once
 
 #include <algorithm>

@@ -20,9 +20,9 @@
 
 namespace surfleet {
 namespace detail {
-inline void check_finite(std::span<const Point3> points, const char* who) {
+inline void check_finite(std::span<const Point3> points, const char* what) {
   for (std::size_t i = 0; i < points.size(); ++i)
-    require(points[i].allFinite(), std::string(who) + ": point " + std::to_string(i) +
+    require(points[i].allFinite(), std::string(what) + ": point " + std::to_string(i) +
                                        " is not finite; expected finite coordinates");
 }
 }  // namespace detail

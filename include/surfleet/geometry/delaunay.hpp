@@ -192,7 +192,7 @@ class DelaunayBuilder {
       c.corner = {index, r.from, r.to};
       c.beyond = {r.outside, -1, -1};
     }
-    // Which side of the outside cell looks here: the one with these two corners, the other way.
+    // Which side of the outside cell borders here: the one with these two corners, reversed.
     for (const Rim& r : rim_) {
       Cell& o = cell(r.outside);
       for (std::size_t k = 0; k < 3; ++k)

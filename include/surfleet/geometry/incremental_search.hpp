@@ -71,7 +71,7 @@ class IncrementalSearch {
     for (;;) {
       double best = kFar;
       for (const auto& [node, length] : starts) best = std::min(best, length + known_[index(node)]);
-      // What rounding lets seem equal is looked at, too.
+      // What rounding lets seem equal is examined, too.
       if (heap_.empty() || key_[index(heap_[0])].first > offset_ + best * (1.0 + 1e-12))
         return best;
       const std::int32_t node = heap_[0];

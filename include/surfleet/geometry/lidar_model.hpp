@@ -49,7 +49,8 @@ struct LidarScan {
 
 /// The camera that views are planned for in place of an upright LiDAR: 60° wide, as high as the
 /// LiDAR's opening up to 80° above and below, and as deep as all of its image is in the LiDAR's
-/// range. Looking along the body's x axis from the LiDAR's place, it sees a part of what that sees.
+/// range. With its optical axis along the body's x axis at the LiDAR's place, it sees a part of
+/// what that sees.
 inline PinholeCamera camera_within(const LidarModel& lidar) {
   constexpr double kSteepest = radians(80.0), kPixel = radians(1.0);
   require_lidar(lidar);

@@ -14,8 +14,8 @@
 
 namespace surfleet {
 namespace detail {
-/// Augmenting paths by breadth-first search from one exposed node at a time; odd circles met on the
-/// way are shrunk to their base. Only what a search touched is cleaned up after it.
+/// Augmenting paths by breadth-first search from one exposed node at a time; odd circles that are
+/// met are shrunk to their base. Only what a search touched is cleaned up after it.
 template <WeightedGraph G>
 class BlossomMatching {
  public:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Who touches whom in a mesh: edges, rings, borders, connected parts; welding.
+/// @brief What touches what in a mesh: edges, rings, borders, connected parts; welding.
 #pragma once
 
 #include <algorithm>
@@ -203,7 +203,7 @@ inline TriangleMesh closed_parts(const TriangleMesh& mesh) {
 }
 
 /// Joins vertices that lie within `tolerance` [m] of one met before, drops the triangles that
-/// collapse and the vertices that nobody uses. A tolerance of 0 joins equal positions. Vertices
+/// collapse and the vertices that are not used. A tolerance of 0 joins equal positions. Vertices
 /// keep their order; the first of a group gives position and attributes. O(n) expected.
 inline TriangleMesh weld_vertices(const TriangleMesh& mesh, double tolerance = 0.0) {
   require(tolerance >= 0.0 && std::isfinite(tolerance),

@@ -13,7 +13,7 @@
 
 namespace surfleet {
 /// Answers like `locate(polygon, p)`, exactly, from edges sorted into horizontal strips.
-/// O(n) strips; a question looks at the edges of one strip, a handful unless most edges are long.
+/// O(n) strips; a query tests the edges of one strip, a handful unless most edges are long.
 class PointLocator {
  public:
   explicit PointLocator(const Polygon& polygon) : box_(polygon.bounds()) {

@@ -31,7 +31,7 @@ struct BlobOptions {
   double min_convexity = 0.75;  ///< Area over that of the convex hull.
   double min_roundness = 0.55;  ///< Shorter over longer axis.
   bool keep_merged = false;     ///< Blobs that may be two discs are kept, last and marked so.
-  std::size_t max_count = 200;  ///< Of more components, the largest are looked at.
+  std::size_t max_count = 200;  ///< Of more components, the largest are examined.
   std::size_t markers = 4;      ///< Fewer blobs than these make the search go on.
 };
 
@@ -197,7 +197,7 @@ inline std::vector<Blob> extract_blobs(const GreyImage& original, const BlobOpti
            b.roundness >= options.min_roundness;
   };
   constexpr double kExplained = 0.95;  // share of an outline that circles must be all of
-  constexpr int kLargestGroup = 120;   // in which circles are looked for [px]
+  constexpr int kLargestGroup = 120;   // in which circles are sought [px]
   std::vector<PixelComponent> refused;
   std::vector<std::pair<int, int>> starts;  // of components at λ₂, not to count one twice
   for (const PixelComponent& seed : seeds) {

@@ -54,7 +54,7 @@ struct TargetFit {
 /// All fits that are likely, best first: by matches, then by `score`.
 struct Identification {
   std::vector<TargetFit> fits;
-  bool truncated = false;  ///< There were more blobs than are looked at.
+  bool truncated = false;  ///< There were more blobs than are examined.
 
   bool ambiguous() const { return fits.size() > 1; }
 };

@@ -14,9 +14,9 @@
 namespace surfleet {
 /// One identification a target, of which no two take the same blob.
 ///
-/// Every target is looked for among all blobs. Of the ways to give each one of its fits, or none,
+/// Every target is sought among all blobs. Of the choices that give each one of its fits, or none,
 /// those with the most matches are kept whose summed scores are within the likelihood bound; the
-/// fits of a target are those that occur in them. O(b³ m³) for each target and at most 8ⁿ ways.
+/// fits of a target are those that occur in them. O(b³ m³) for each target and at most 8ⁿ choices.
 /// Throws `Error` as `identify`, and on more than eight targets.
 template <P3pSolver Solver = LambdaTwistP3p>
 std::vector<Identification> identify_targets(std::span<const Observation> blobs,
@@ -30,22 +30,22 @@ std::vector<Identification> identify_targets(std::span<const Observation> blobs,
     all.push_back(identify(blobs, t, options, solver));
     if (all.back().fits.size() > kMostFits) all.back().fits.resize(kMostFits);
   }
-  struct Way {
+  struct Choice {
     std::vector<std::size_t> fit;  ///< Of each target; as many as it has: none.
     std::size_t matches = 0;
     double score = 0.0;
   };
-  std::vector<Way> ways{Way{}};
+  std::vector<Choice> choices{Choice{}};
   for (const Identification& found : all) {
-    std::vector<Way> longer;
-    for (const Way& way : ways) {
+    std::vector<Choice> longer;
+    for (const Choice& choice : choices) {
       std::vector<bool> taken(blobs.size(), false);
-      for (std::size_t t = 0; t < way.fit.size(); ++t)
-        if (way.fit[t] < all[t].fits.size())
-          for (const int b : all[t].fits[way.fit[t]].blob_of_marker)
+      for (std::size_t t = 0; t < choice.fit.size(); ++t)
+        if (choice.fit[t] < all[t].fits.size())
+          for (const int b : all[t].fits[choice.fit[t]].blob_of_marker)
             if (b != TargetFit::kUnseen) taken[static_cast<std::size_t>(b)] = true;
       for (std::size_t f = 0; f <= found.fits.size(); ++f) {
-        Way next = way;
+        Choice next = choice;
         next.fit.push_back(f);
         if (f < found.fits.size()) {
           const auto& labels = found.fits[f].blob_of_marker;
@@ -59,17 +59,17 @@ std::vector<Identification> identify_targets(std::span<const Observation> blobs,
         longer.push_back(std::move(next));
       }
     }
-    ways = std::move(longer);
+    choices = std::move(longer);
   }
   std::size_t most = 0;
-  for (const Way& w : ways) most = std::max(most, w.matches);
+  for (const Choice& w : choices) most = std::max(most, w.matches);
   double least = std::numeric_limits<double>::infinity();
-  for (const Way& w : ways)
+  for (const Choice& w : choices)
     if (w.matches == most) least = std::min(least, w.score);
   for (std::size_t t = 0; t < all.size(); ++t) {
     std::vector<TargetFit> kept;
     for (std::size_t f = 0; f < all[t].fits.size(); ++f)
-      if (std::any_of(ways.begin(), ways.end(), [&](const Way& w) {
+      if (std::any_of(choices.begin(), choices.end(), [&](const Choice& w) {
             return w.fit[t] == f && w.matches == most &&
                    w.score <= least + options.likelihood_bound;
           }))

@@ -16,7 +16,7 @@ namespace surfleet {
 /// What a picture gave.
 struct ImageFrame {
   TrackedFrame tracked;
-  std::vector<Blob> blobs;  ///< Those that were looked at; fits point into them.
+  std::vector<Blob> blobs;  ///< Those that were examined; fits point into them.
   bool whole = true;        ///< The whole picture was searched.
 };
 
@@ -43,20 +43,20 @@ class ImageTracker {
                   std::to_string(camera_.height) + ", as the camera has");
     ImageFrame frame;
     if (const auto window = tracker.roi(time); window && !window->empty()) {
-      frame.blobs = look(image, window);
+      frame.blobs = detect(image, window);
       if (auto found = tracker.update(time, observed(frame.blobs), true)) {
         frame.tracked = std::move(*found);
         frame.whole = false;
         return frame;
       }
     }
-    frame.blobs = look(image, {});
+    frame.blobs = detect(image, {});
     frame.tracked = *tracker.update(time, observed(frame.blobs));
     return frame;
   }
 
  private:
-  std::vector<Blob> look(const GreyImage& image, const std::optional<PixelWindow>& window) const {
+  std::vector<Blob> detect(const GreyImage& image, const std::optional<PixelWindow>& window) const {
     BlobOptions options = blob_options;
     options.keep_merged = window.has_value();  // without a prediction they are of no use
     auto blobs = extract_blobs(image, options, window);

@@ -51,8 +51,8 @@ struct TrackedFrame {
 ///
 /// While tracked, predicted markers take their nearest blobs; the whole search is made again if
 /// that does not fit, and from time to time, lest what fits by chance is followed for ever. Three
-/// markers are enough with a prediction; with fewer it coasts. What is
-/// ambiguous at first is followed on all ways until one is left.
+/// markers are enough with a prediction; with fewer it coasts. What is ambiguous at first is
+/// followed by all hypotheses until one is left.
 template <CameraModel Camera, MotionModel Motion = LinearRegression>
 class TargetTracker {
  public:
@@ -244,7 +244,7 @@ class TargetTracker {
       hypotheses_.push_back({std::move(f), std::move(history), score, 0});
     }
   }
-  /// Every hypothesis on its own way; those that no longer fit are dropped.
+  /// Every hypothesis by itself; those that no longer fit are dropped.
   void follow(double time, std::span<const Observation> blobs) {
     std::vector<Hypothesis> next;
     for (Hypothesis& h : hypotheses_) {

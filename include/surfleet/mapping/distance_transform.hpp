@@ -62,7 +62,7 @@ class DistanceTransform {
     stamp_.push_back(0);
     return slot;
   }
-  /// Says that a block is to be looked at by what follows `grid().changed_since`.
+  /// Says that a block is to be read by what follows `grid().changed_since`.
   void mark_changed(std::uint32_t slot) { grid_.mark_changed(slot); }
   /// Where obstacles are in a block from now on; distances follow with the next `update`.
   void set(const BlockIndex& index, const BlockBits& bits) {

@@ -35,7 +35,7 @@ struct VoxelKernel {
           k.rows.push_back({dy, dz, static_cast<int>(std::sqrt(rest))});
     return k;
   }
-  /// The same offsets the other way.
+  /// The same offsets negated.
   VoxelKernel mirrored() const {
     VoxelKernel k = *this;
     for (Row& row : k.rows) {

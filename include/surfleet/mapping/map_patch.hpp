@@ -76,8 +76,8 @@ struct PatchBlock {
   bool empty() const { return hits.empty() && seen() == 0; }
 };
 
-/// What was seen, on the voxel lattice of the frame in which its robot knows its own poses. Who
-/// comes to know that frame better moves the patch (`moved_patch`).
+/// What was seen, on the voxel lattice of the frame in which its robot knows its own poses. A robot
+/// that comes to know that frame better moves the patch (`moved_patch`).
 struct MapPatch {
   PatchId id;
   double voxel_size = 0.3;         ///< [m]
@@ -85,7 +85,7 @@ struct MapPatch {
   Pose anchor = Pose::Identity();  ///< Of the camera at the first image, in the patch's frame.
   std::uint32_t images = 0;        ///< How many it is made of.
   std::vector<PatchBlock> blocks;  ///< In the order of `patch_order`, none of them empty.
-  ViewNotes notes;                 ///< What its robot has looked for in vain since the last one.
+  ViewNotes notes;                 ///< What its robot has viewed in vain since the last one.
 
   std::size_t seen() const {
     std::size_t n = 0;

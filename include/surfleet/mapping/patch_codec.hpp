@@ -15,7 +15,7 @@
 /// | 24, 72 | anchor: position [m], rotation by rows (float64) |
 /// | 24 | first and last block index of the box (6 × int32) |
 /// | 4 | blocks (uint32) |
-/// | 4, 4, 4 | kind of robot; its looks in vain; places it found no way to see (uint32) |
+/// | 4, 4, 4 | kind of robot; its views in vain; places it found no path to view (uint32) |
 /// | 4, 4 | bytes of what follows unpacked; bytes that follow (uint32) |
 /// | … | the blocks, then the notes, as `detail/patch_payload.hpp` says, packed |
 /// | 4 | CRC-32 of everything before (uint32) |
@@ -104,7 +104,7 @@ struct PatchLimits {
   double image_weight = 100.0;         ///< Most that one image adds to a voxel.
   double reach = 300.0;                ///< Farthest that a patch extends from its anchor [m].
   std::uint32_t blocks = 1 << 14;      ///< Most; each takes three kilobytes of memory.
-  std::uint32_t notes = 1 << 14;       ///< Most looks in vain, and most places without a way.
+  std::uint32_t notes = 1 << 14;       ///< Most views in vain, and most places without a path.
 };
 
 namespace detail {
@@ -141,7 +141,7 @@ inline Bytes patch_facts(const MapPatch& patch, const BlockBox& box) {
   for (int k = 0; k < 3; ++k) out.put(std::int32_t{box.hi[k]});
   out.put(static_cast<std::uint32_t>(patch.blocks.size()));
   out.put(patch.notes.kind);
-  out.put(static_cast<std::uint32_t>(patch.notes.looks.size()));
+  out.put(static_cast<std::uint32_t>(patch.notes.views.size()));
   out.put(static_cast<std::uint32_t>(patch.notes.failures.size()));
   return out.take();
 }
@@ -238,7 +238,7 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
   for (int k = 0; k < 3; ++k) box.hi[k] = in.get<std::int32_t>();
   const std::size_t count = in.get<std::uint32_t>();
   patch.notes.kind = in.get<std::uint32_t>();
-  const std::size_t looks = in.get<std::uint32_t>(), failures = in.get<std::uint32_t>();
+  const std::size_t views = in.get<std::uint32_t>(), failures = in.get<std::uint32_t>();
   const std::size_t facts_end = in.position();
   const std::size_t size = in.get<std::uint32_t>(), packed = in.get<std::uint32_t>();
   double places = count == 0 ? 0.0 : 1.0;
@@ -256,8 +256,8 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
   sound(count <= limits.blocks && static_cast<double>(count) <= places,
         "more blocks than its box or a patch can have");
   sound(count == 0 || patch.images > 0, "blocks, but no images");
-  sound(looks <= limits.notes && failures <= limits.notes, "more looks in vain than it may have");
-  const std::size_t notes_size = looks * detail::kViewBytes + failures * detail::kFailureBytes;
+  sound(views <= limits.notes && failures <= limits.notes, "more views in vain than it may have");
+  const std::size_t notes_size = views * detail::kViewBytes + failures * detail::kFailureBytes;
   sound(size >= count * detail::kLeastPatchBlock + notes_size &&
             size <= count * detail::kMostPatchBlock + notes_size,
         "blocks of a size that they cannot have");
@@ -273,7 +273,7 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
   patch.blocks = detail::get_patch_blocks(
       view.first(size - notes_size), count, box,
       most < kPatchMaxWeight ? static_cast<std::uint32_t>(most) : kPatchMaxWeight, what);
-  detail::get_view_notes(view.last(notes_size), looks, failures, patch.notes, what);
+  detail::get_view_notes(view.last(notes_size), views, failures, patch.notes, what);
   const double place = kViewPlaceVoxels * patch.voxel_size;
   const auto near = [&](const VoxelKey& p) {
     for (std::size_t k = 0; k < 3; ++k)
@@ -282,10 +282,10 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
         return false;
     return true;
   };
-  for (const ViewNotes::Look& l : patch.notes.looks)
-    sound(near(l.place), "looks out of reach of its images");
+  for (const ViewNotes::View& v : patch.notes.views)
+    sound(near(v.place), "views out of reach of its images");
   for (const ViewNotes::Failure& f : patch.notes.failures)
-    sound(near(f.place), "looks out of reach of its images");
+    sound(near(f.place), "views out of reach of its images");
   return patch;
 }
 }  // namespace surfleet

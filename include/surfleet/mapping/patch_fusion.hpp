@@ -4,7 +4,7 @@
 /// [000 §4.4.1].
 ///
 ///     PatchFusion fusion({.voxel_size = 0.3, .truncation = 0.9});
-///     fusion.add(patch);                   // ours, and everyone's
+///     fusion.add(patch);                   // ours, and all others'
 ///     fusion.show_open(recorder.open());   // what is not a patch yet
 ///     states.update(fusion.map());         // the map as the rest of the library reads it
 #pragma once
@@ -28,7 +28,7 @@ struct PatchFusionOptions {
 /// Sums Σw and Σwd of each voxel, and the sums of hits, in whole numbers: they need no order and
 /// subtract exactly, so equal sets of patches at equal poses are equal maps, bit by bit. What a
 /// patch does touches its own blocks alone, and only blocks that come out different count as
-/// changed. It keeps no patches: who takes one away brings it again, as a rule decoded from the
+/// changed. It keeps no patches: what takes one away brings it again, as a rule decoded from the
 /// bytes it is kept in.
 class PatchFusion {
  public:

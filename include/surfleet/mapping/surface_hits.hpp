@@ -45,7 +45,7 @@ struct SurfaceHit {
 
   std::uint16_t key = 0;                   ///< 8 · offset of the voxel in its block + side.
   std::int64_t weight = 0;                 ///< Of the rays that ended here.
-  std::int64_t passed = 0;                 ///< Of the views that looked through the place.
+  std::int64_t passed = 0;                 ///< Of the views that saw through the place.
   std::array<std::int64_t, 3> position{};  ///< Σ weight · (point − voxel centre) in steps.
   std::array<std::int64_t, 3> normal{};    ///< Σ weight · outward normal.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What a TSDF integrator is told and what it asks of the way it updates voxels.
+/// @brief What a TSDF integrator is told and what it asks of its voxel update.
 #pragma once
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What a robot's looks in vain and ways not found have told, in whole numbers, to be shared
-/// with its patches.
+/// @brief A robot's views in vain and failed path searches, in whole numbers, shared with its
+/// patches.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace surfleet {
 using ViewDirection = std::array<std::int8_t, 3>;
 inline constexpr int kViewDirectionSteps = 127;
 
-/// Voxels of one place share their looks: two along each axis.
+/// Voxels of one place share their views: two along each axis.
 inline constexpr int kViewPlaceVoxels = 2;
 inline VoxelKey view_place(const VoxelIndex& v) { return {v.x() >> 1, v.y() >> 1, v.z() >> 1}; }
 
@@ -46,42 +46,42 @@ inline Eigen::Vector3d unit_vector(const ViewDirection& q) {
 
 /// Since the robot's last patch.
 struct ViewNotes {
-  /// A look that should have completed what is there and did not; `direction` is to the camera.
-  struct Look {
+  /// A view that should have completed what is there and did not; `direction` is to the camera.
+  struct View {
     VoxelKey place{};
     ViewDirection direction{};
-    auto operator<=>(const Look&) const = default;
+    auto operator<=>(const View&) const = default;
   };
-  /// So many ways to see what is there were not found.
+  /// So many path searches to views of what is there failed.
   struct Failure {
     VoxelKey place{};
     std::uint8_t count = 0;
     auto operator<=>(const Failure&) const = default;
   };
   std::uint32_t kind = 0;   ///< Of robot, as `kind_number` has it: others learn nothing by it.
-  std::vector<Look> looks;  ///< Each once, ascending.
+  std::vector<View> views;  ///< Each once, ascending.
   std::vector<Failure> failures;  ///< Each place once, ascending.
 
-  bool empty() const { return looks.empty() && failures.empty(); }
+  bool empty() const { return views.empty() && failures.empty(); }
   bool operator==(const ViewNotes&) const = default;
 };
 
-/// All looks, each once, and the sums of failures, at most 255 of a place. Throws `Error` on notes
+/// All views, each once, and the sums of failures, at most 255 of a place. Throws `Error` on notes
 /// of different kinds. O(n log n).
 inline ViewNotes merged_notes(std::span<const ViewNotes> parts) {
   ViewNotes whole;
   bool first = true;
-  std::set<ViewNotes::Look> looks;
+  std::set<ViewNotes::View> views;
   std::map<VoxelKey, int> failures;
   for (const ViewNotes& notes : parts) {
     if (notes.empty()) continue;
     if (first) whole.kind = notes.kind;
     first = false;
-    require(notes.kind == whole.kind, "notes of looks: expected those of one kind of robot");
-    looks.insert(notes.looks.begin(), notes.looks.end());
+    require(notes.kind == whole.kind, "view notes: expected those of one kind of robot");
+    views.insert(notes.views.begin(), notes.views.end());
     for (const ViewNotes::Failure& f : notes.failures) failures[f.place] += f.count;
   }
-  whole.looks.assign(looks.begin(), looks.end());
+  whole.views.assign(views.begin(), views.end());
   for (const auto& [place, count] : failures)
     whole.failures.push_back({place, static_cast<std::uint8_t>(std::min(count, 255))});
   return whole;
@@ -97,10 +97,10 @@ inline ViewNotes moved_notes(const ViewNotes& notes, const Pose& T_map_frame, do
       to[static_cast<std::size_t>(k)] = static_cast<int>(std::floor(at[k]));
     return to;
   };
-  ViewNotes out{.kind = notes.kind, .looks = {}, .failures = {}};
-  for (const ViewNotes::Look& l : notes.looks)
-    out.looks.push_back(
-        {moved(l.place), quantised(T_map_frame.linear() * unit_vector(l.direction))});
+  ViewNotes out{.kind = notes.kind, .views = {}, .failures = {}};
+  for (const ViewNotes::View& v : notes.views)
+    out.views.push_back(
+        {moved(v.place), quantised(T_map_frame.linear() * unit_vector(v.direction))});
   for (const ViewNotes::Failure& f : notes.failures)
     out.failures.push_back({moved(f.place), f.count});
   return merged_notes(std::span<const ViewNotes>(&out, 1));

@@ -19,8 +19,8 @@ concept WeightPolicy = std::copyable<W> && requires(const W& w, double sdf, doub
   { w(sdf, range) } -> std::convertible_to<double>;
 };
 
-/// A weighting rule with a quick way: the same weight from the squared range, in single precision.
-/// Integrators take it where it is offered.
+/// A weighting rule with a fast variant: the same weight from the squared range, in single
+/// precision. Integrators take it where it is offered.
 template <typename W>
 concept SquaredRangeWeightPolicy = WeightPolicy<W> &&
     requires(const W& w, float sdf, float squared_range) {

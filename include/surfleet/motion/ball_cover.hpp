@@ -40,7 +40,7 @@ inline double overhang(const SweptBody& body, double r, double z, double radius,
 }
 
 /// Chooses the balls of one radius that reach the least beyond the body and still hold it. By
-/// symmetry it is enough to look at 0 ≤ y ≤ x.
+/// symmetry it is enough to consider 0 ≤ y ≤ x.
 class BallCoverSearch {
  public:
   BallCoverSearch(const SweptBody& body, double voxel, double radius)
@@ -88,7 +88,7 @@ class BallCoverSearch {
 
  private:
   static constexpr double kMost = 4.0;    // that a ball may reach beyond the body [voxels]
-  static constexpr double kFinest = 0.1;  // of the squares that are looked at [voxels]
+  static constexpr double kFinest = 0.1;  // of the squares that are examined [voxels]
   struct Center {
     std::array<int, 3> at;
     double beyond;
@@ -118,7 +118,7 @@ class BallCoverSearch {
     return true;
   }
   /// Whether they hold what of the body stands above and below a square; if that cannot be said at
-  /// once, its quarters are looked at.
+  /// once, its quarters are examined.
   bool holds_prism(double x, double y, double edge) {
     const SweptBody::Ring need = body_->between(std::hypot(x, y), std::hypot(x + edge, y + edge));
     if (need.empty() || spans(x, y, edge, need)) return true;

@@ -89,7 +89,7 @@ class FlightLattice {
   /// Whether the body is free at a node of the lattice. O(1) from the second time on.
   bool is_free(const VoxelIndex& c) { return is_free(c, index(c)); }
 
-  /// Says that there is no way but along the lattice.
+  /// Says that there are no paths but along the lattice.
   struct LatticeOnly {};
   /// Says that a step costs its length.
   struct StepLength {
@@ -102,14 +102,15 @@ class FlightLattice {
   /// Calls `visit(const Site&)` for the reachable nodes in the order of their distance from
   /// `start` until it returns false. O(visited · log visited).
   ///
-  /// When that is done, goes on beyond passages too narrow for the lattice, if told of ways there:
-  /// `ways(Point3)` is the length of one from `start` to a free node, infinite where there is
-  /// none [m]. Of each part of the lattice that was not met it is asked about the nodes nearest to
-  /// `start`, until there is one; what was not met is visited in the order of the distance, too.
+  /// When that is done, goes on beyond passages too narrow for the lattice, if told of passages
+  /// there: `passages(Point3)` is the length of a path through one from `start` to a free node,
+  /// infinite where there is none [m]. Of each part of the lattice that was not met it is asked
+  /// about the nodes nearest to `start`, until there is one; what was not met is visited in the
+  /// order of the distance, too.
   ///
   /// `cost(step, to, length)` says what a step to a free node counts as, its length or more [m].
-  template <typename Visit, typename Ways = LatticeOnly, typename Cost = StepLength>
-  void search(const Point3& start, Visit&& visit, Ways&& ways = {}, Cost&& cost = {}) {
+  template <typename Visit, typename Passages = LatticeOnly, typename Cost = StepLength>
+  void search(const Point3& start, Visit&& visit, Passages&& passages = {}, Cost&& cost = {}) {
     struct Entry {
       double distance;
       std::size_t index;
@@ -162,8 +163,8 @@ class FlightLattice {
       return true;
     };
     if (!expand()) return;
-    if constexpr (!std::same_as<std::remove_cvref_t<Ways>, LatticeOnly>) {
-      for (const auto& [i, distance] : entrances(start, closed, ways)) {
+    if constexpr (!std::same_as<std::remove_cvref_t<Passages>, LatticeOnly>) {
+      for (const auto& [i, distance] : entrances(start, closed, passages)) {
         best[i] = static_cast<float>(distance);
         open.push({distance, i});
       }
@@ -172,14 +173,14 @@ class FlightLattice {
   }
   /// The nodes by which the last search came to a node it visited, from where it entered the
   /// lattice to the node itself.
-  std::vector<VoxelIndex> way_to(VoxelIndex c) const {
-    std::vector<VoxelIndex> way{c};
+  std::vector<VoxelIndex> path_to(VoxelIndex c) const {
+    std::vector<VoxelIndex> path{c};
     for (int by = came_by_[index(c)]; by != kSelf; by = came_by_[index(c)]) {
       c -= VoxelIndex(by % 3 - 1, by / 3 % 3 - 1, by / 9 - 1);
-      way.push_back(c);
+      path.push_back(c);
     }
-    std::reverse(way.begin(), way.end());
-    return way;
+    std::reverse(path.begin(), path.end());
+    return path;
   }
 
  private:
@@ -211,10 +212,10 @@ class FlightLattice {
   }
   /// A node, and its distance from the start, for each part of the lattice beyond those that are
   /// `closed`. O(nodes · log nodes).
-  template <typename Ways>
+  template <typename Passages>
   std::vector<std::pair<std::size_t, double>> entrances(const Point3& start,
                                                         std::span<const std::uint8_t> closed,
-                                                        Ways&& ways) {
+                                                        Passages&& passages) {
     std::vector<std::pair<double, std::size_t>> rest;
     for (std::size_t i = 0; i < closed.size(); ++i)
       if (const VoxelIndex c = cell_of(i); closed[i] == 0 && is_free(c, i))
@@ -224,7 +225,7 @@ class FlightLattice {
     std::vector<std::pair<std::size_t, double>> found;
     for (const auto& [away, i] : rest) {
       if (joined[i] != 0) continue;
-      const double distance = ways(position(cell_of(i)));
+      const double distance = passages(position(cell_of(i)));
       if (!std::isfinite(distance)) continue;
       found.emplace_back(i, distance);
       join(i, joined);

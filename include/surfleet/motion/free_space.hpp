@@ -78,8 +78,8 @@ class FreeSpace {
   /// Kept between the body and every obstacle voxel's centre, occupied ones grown [m].
   double obstacle_margin() const { return lengths_.margin; }
   /// Least distance from a free position to an obstacle voxel's centre: radius, obstacle margin and
-  /// the slack of stepping along segments; for a body that is no ball, from which on none is in the
-  /// way, whatever its direction [m].
+  /// the slack of stepping along segments; for a body that is no ball, from which on none touches
+  /// it, whatever its direction [m].
   double required_distance() const { return lengths_.outer; }
 
   /// Takes what is unknown in `ball` for empty: the place a robot stands in at the start, which its
@@ -162,12 +162,12 @@ class FreeSpace {
   }
   bool is_free(const Point3& p) const { return in_bounds(p) && probe().slack(p) >= 0.0; }
 
-  /// Whether the body fits all the way; every point of the segment then keeps the radius and the
-  /// margin from every obstacle voxel's centre.
+  /// Whether the body fits along all of it; every point of the segment then keeps the radius and
+  /// the margin from every obstacle voxel's centre.
   bool is_free_segment(const Point3& a, const Point3& b) const {
     return free_length(a, b) == std::numeric_limits<double>::infinity();
   }
-  /// How far one gets from `a` towards `b` [m]; infinite if all the way.
+  /// How far the body gets from `a` towards `b` [m]; infinite if it gets there.
   double free_length(const Point3& a, const Point3& b) const {
     if (!in_bounds(a)) return 0.0;
     const double length = (b - a).norm();
@@ -220,8 +220,8 @@ class FreeSpace {
     return centers;
   }
   /// The nearest voxel centre where the body fits, at most `max_distance` away, that can be reached
-  /// straight without coming notably closer to an obstacle than at `p`: the way out for a robot
-  /// that finds itself in what has since turned out to be no free place.
+  /// straight without coming notably closer to an obstacle than at `p`: the escape of a robot that
+  /// finds itself in what has since turned out to be no free place.
   std::optional<Point3> nearest_free(const Point3& p, double max_distance) const {
     if (!p.allFinite()) return std::nullopt;
     Probe read(*this);
@@ -236,8 +236,8 @@ class FreeSpace {
     return std::nullopt;
   }
 
-  /// Where a search for ways begins: `p`, or beside what has since turned out to be an obstacle the
-  /// way out of it, if there is one within `max_distance`.
+  /// Where a search for paths begins: `p`, or if that has since turned out not to be free
+  /// `nearest_free`, if there is one within `max_distance`.
   Point3 free_start(const Point3& p, double max_distance = 2.0) const {
     return is_free(p) ? p : nearest_free(p, max_distance).value_or(p);
   }
@@ -258,7 +258,7 @@ class FreeSpace {
   }
   const FreeBits& free_bits(std::uint32_t slot) const { return free_[slot]; }
 
-  /// The distances; its slots, revision and `changed_since` tell consumers what to look at again.
+  /// The distances; its slots, revision and `changed_since` tell consumers what to read again.
   const Grid& grid() const { return distances_.grid(); }
   std::uint64_t revision() const { return grid().revision(); }
   std::vector<std::uint32_t> changed_since(std::uint64_t cursor) const {

@@ -18,7 +18,7 @@
 namespace surfleet {
 struct FreeSpaceOptions {
   double radius = 1.0;              ///< Of the body, or of the ball that holds its shape [m].
-  bool unknown_is_obstacle = true;  ///< Whether what was never seen blocks the way.
+  bool unknown_is_obstacle = true;  ///< Whether what was never seen is an obstacle.
   Box3 bounds{};                    ///< The body's centre stays inside; empty: no bounds.
   /// Kept between the body and the centre of an occupied voxel; one voxel edge if not given [m].
   std::optional<double> margin{};

@@ -21,7 +21,7 @@ struct Path;
 class PathFollower;
 class ReachableSet;
 class ReachFrom;
-class RoadmapWays;
+class RoadmapPassages;
 struct ShortcutOptions;
 struct Sphere;
 class SweptBody;

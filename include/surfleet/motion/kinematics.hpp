@@ -14,7 +14,7 @@
 
 namespace surfleet {
 /// A robot that moves along paths. (`Mission` flies `AerialMotion`, whose courses it bends and
-/// whose heading it leads on the way, beyond what is asked here.)
+/// whose heading it leads in flight, beyond what is asked here.)
 ///
 /// `follow(points, yaw)` sets out along a polyline that begins where the robot is, to stand at its
 /// end with heading `yaw`; `advance(dt)` lets time pass and returns the configuration; `stop()`
@@ -42,7 +42,7 @@ class HeadingControl {
   double yaw = 0.0;                 ///< [rad]
   double rate = 0.0;                ///< [rad/s]
 
-  /// Turns for `dt` towards `target`, the short way, so as to arrive at rest.
+  /// Turns for `dt` towards `target`, by the smaller angle, so as to arrive at rest.
   void advance(double target, double dt) {
     const int steps = std::max(1, static_cast<int>(std::ceil(dt / kStep - 1e-9)));
     const double h = dt / steps;
@@ -85,10 +85,10 @@ struct AerialLimits {
   double pitch_acceleration = 4.0;  ///< [rad/s²]
 };
 
-/// Position and heading move independently; the heading may look anywhere on the way.
+/// Position and heading move independently; the heading may be anything in flight.
 class AerialMotion {
  public:
-  /// Where to look while under way, from position and direction of travel; yaw [rad].
+  /// The heading while under way, from position and direction of travel; yaw [rad].
   using YawLaw = std::function<double(const Point3&, const Eigen::Vector3d&)>;
 
   explicit AerialMotion(const Configuration& at = {}, AerialLimits limits = {})
@@ -106,32 +106,32 @@ class AerialMotion {
 
   /// Sets out along `points`; the first is taken to be where the robot is. Under way in another
   /// direction, the robot first brakes along its old one as far as the turn asks for, which leads
-  /// it off the new path by at most its braking distance; `stop` and wait to avoid that. `look`
+  /// it off the new path by at most its braking distance; `stop` and wait to avoid that. `yaw_law`
   /// decides the heading until the path's end; without it the robot turns to `yaw` at once.
-  void follow(std::span<const Point3> points, double yaw, YawLaw look = {}) {
+  void follow(std::span<const Point3> points, double yaw, YawLaw yaw_law = {}) {
     goal_yaw_ = yaw;
-    look_ = std::move(look);
-    follower_.start(way_onto(points), follower_.speed());
+    yaw_law_ = std::move(yaw_law);
+    follower_.start(path_onto(points), follower_.speed());
   }
-  /// The way that `follow` would take onto `points`: on along the old course, as little as it takes
-  /// to slow down for the corner that leads to the next point, and from there along `points`.
-  std::vector<Point3> way_onto(std::span<const Point3> points) const {
+  /// The path that `follow` would take onto `points`: on along the old course, as little as it
+  /// takes to slow down for the corner that leads to the next point, and from there along `points`.
+  std::vector<Point3> path_onto(std::span<const Point3> points) const {
     const double v = follower_.speed(), a = follower_.limits().acceleration;
     const Eigen::Vector3d heading = follower_.direction();
-    std::vector<Point3> way{follower_.position()};
+    std::vector<Point3> path{follower_.position()};
     const double stop = 0.5 * v * v / a;
     if (points.size() < 2) {
-      if (v > 1e-6) way.push_back(way[0] + heading * stop);
-      return way;
+      if (v > 1e-6) path.push_back(path[0] + heading * stop);
+      return path;
     }
     const auto turn_after = [&](double leg) {
-      const Eigen::Vector3d on = points[1] - way[0] - heading * leg;
+      const Eigen::Vector3d on = points[1] - path[0] - heading * leg;
       return std::atan2(heading.cross(on).norm(), heading.dot(on));
     };
     if (v > 1e-6 && turn_after(0.0) > 0.02) {
       // The least that will do, in steps; after the corner there may be a stop at once.
       const auto will_do = [&](double leg) {
-        const double next = (points[1] - way[0] - heading * leg).norm();
+        const double next = (points[1] - path[0] - heading * leg).norm();
         const auto corner = follower_.limits().corner(turn_after(leg), leg, next);
         const double left = std::max(0.0, next - corner.tangent);
         const double end = std::min(corner.speed * corner.speed, 2.0 * a * left);
@@ -141,21 +141,21 @@ class AerialMotion {
       const double longest = 2.0 * stop;  // an arc begins in the second half of its leg
       double leg = longest / kSteps;
       while (leg < longest && !will_do(leg)) leg += longest / kSteps;
-      way.push_back(way[0] + heading * leg);
+      path.push_back(path[0] + heading * leg);
     }
-    way.insert(way.end(), points.begin() + 1, points.end());
-    return way;
+    path.insert(path.end(), points.begin() + 1, points.end());
+    return path;
   }
 
   Configuration advance(double dt) {
-    // Position and heading in short steps, so that a look at a point follows the motion.
+    // Position and heading in short steps, so that a heading towards a point follows the motion.
     const int steps = std::max(1, static_cast<int>(std::ceil(dt / 0.1 - 1e-9)));
     for (int i = 0; i < steps; ++i) {
       const double h = dt / steps;
       for (double left = follower_.advance(h); left > 0.0 && !follower_.at_end();)
         left = follower_.advance(left);
-      const bool arriving = follower_.at_end() || !look_;
-      heading_.advance(arriving ? goal_yaw_ : look_(follower_.position(), follower_.direction()),
+      const bool arriving = follower_.at_end() || !yaw_law_;
+      heading_.advance(arriving ? goal_yaw_ : yaw_law_(follower_.position(), follower_.direction()),
                        h);
     }
     return configuration();
@@ -176,7 +176,7 @@ class AerialMotion {
  private:
   PathFollower follower_;
   HeadingControl heading_;
-  YawLaw look_;
+  YawLaw yaw_law_;
   double goal_yaw_ = 0.0;
 };
 

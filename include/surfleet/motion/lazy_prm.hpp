@@ -340,9 +340,9 @@ class LazyPrmStar {
     return *std::find_if(list.begin(), list.end(), [to](const auto& a) { return a.to == to; });
   }
   void note(std::int32_t a, std::int32_t b, std::uint32_t checked, double length) const {
-    for (const RoadmapArc* way : {&arc(a, b), &arc(b, a)}) {
-      way->checked = checked;
-      way->length = length;
+    for (const RoadmapArc* directed : {&arc(a, b), &arc(b, a)}) {
+      directed->checked = checked;
+      directed->length = length;
     }
   }
   /// Checks an edge unless that was done since the last change of the map.

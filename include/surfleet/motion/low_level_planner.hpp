@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief The checks a robot makes on its way [000 §2.5.3, 3.5.2, Alg. 1 and 3].
+/// @brief The checks a robot makes along its path [000 §2.5.3, 3.5.2, Alg. 1 and 3].
 #pragma once
 
 #include <algorithm>
@@ -40,7 +40,7 @@ struct GoalCheck {
   }
 };
 
-/// Whether the way ahead has become blocked so near that the robot must stop now.
+/// Whether the path ahead has become blocked so near that the robot must stop now.
 struct ObstacleCheck {
   double lookahead = 0.5;  ///< Checked beyond the braking distance [m].
   /// How far an obstacle may reach into the required distance before it counts [m]: less than the
@@ -48,27 +48,27 @@ struct ObstacleCheck {
   /// the body's radius is still kept.
   double tolerance = 0.1;
 
-  /// How far along `ahead`, which begins at the robot, the way is blocked, if that is within reach.
-  /// A way that leads out of a blocked place is not held against it: what counts is coming closer.
+  /// How far along `ahead`, which begins at the robot, it is blocked, if that is within reach. A
+  /// path that leads out of a blocked place is not held against it: what counts is coming closer.
   std::optional<double> operator()(const FreeSpace& space, std::span<const Point3> ahead,
                                    double stopping_distance) const {
     if (ahead.size() < 2) return std::nullopt;
     const double step = space.voxel_size() / 3.0;
     auto read = space.probe();
     const double here = std::min(read.slack(ahead[0]), 0.0);
-    double way = 0.0;
+    double along = 0.0;
     const double reach = stopping_distance + lookahead;
-    for (std::size_t i = 1; i < ahead.size() && way < reach; ++i) {
+    for (std::size_t i = 1; i < ahead.size() && along < reach; ++i) {
       const Eigen::Vector3d leg = ahead[i] - ahead[i - 1];
       const double length = leg.norm();
       const int parts = std::max(1, static_cast<int>(std::ceil(length / step)));
       for (int k = 1; k <= parts; ++k) {
-        const double at = way + length * k / parts;
+        const double at = along + length * k / parts;
         if (at > reach + step) return std::nullopt;
         const Point3 p = ahead[i - 1] + leg * (static_cast<double>(k) / parts);
         if (read.slack(p) < here - tolerance) return at;
       }
-      way += length;
+      along += length;
     }
     return std::nullopt;
   }

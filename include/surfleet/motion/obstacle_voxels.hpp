@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Which voxels are in a body's way, kept up to date as the map grows.
+/// @brief Which voxels are obstacles to a body, kept up to date as the map grows.
 #pragma once
 
 #include <algorithm>
@@ -157,7 +157,7 @@ class ObstacleVoxels {
     const double half_diagonal = 0.5 * std::sqrt(3.0) * map_->voxel_size();
     return half_diagonal + std::max(0.0, half_diagonal - lengths_.margin);
   }
-  /// Where unknown space is free, the blocks in question must be looked at though the map has none.
+  /// Where unknown space is free, the blocks in question must be examined though the map has none.
   void add_keep_out() {
     const Eigen::Vector3d reach = Eigen::Vector3d::Constant(keep_out_reach());
     const Eigen::Vector3d far =

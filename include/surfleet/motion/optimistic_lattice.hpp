@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Ways through what is not known to be blocked: the freespace assumption.
+/// @brief Paths through what is not known to be blocked: the freespace assumption.
 #pragma once
 
 #include <cmath>
@@ -16,17 +16,17 @@
 
 namespace surfleet {
 struct OptimisticLatticeOptions {
-  /// What a metre through unknown space costs, level and straight up, 1 or more: there the way has
-  /// to be opened by looks, and a level camera sees little of what is above it.
+  /// What a metre through unknown space costs, level and straight up, 1 or more: there the path has
+  /// to be opened by views, and a level camera sees little of what is above it.
   double level_cost = 1.1, climb_cost = 3.0;
 };
 
 /// A flight lattice that takes what is unknown for free; what is known to be free is free there.
 ///
-/// Robots fly only where they have seen nothing, so a planner that looks no farther than what is
-/// known sends them along it, and again at the next height when that is open. A goal that is chosen
-/// in optimism leads there by the shortest way that may exist; what is flown of it is what is
-/// known, and the next look opens more. Copies know nothing: a copy is for another map.
+/// Robots fly only where they have seen nothing, so a planner confined to known space sends them
+/// along it, and again at the next height when that is open. A goal that is chosen in optimism
+/// leads there by the shortest path that may exist; what is flown of it is what is known, and the
+/// next view opens more. Copies know nothing: a copy is for another map.
 class OptimisticLattice {
  public:
   OptimisticLatticeOptions options;
@@ -60,11 +60,10 @@ class OptimisticLattice {
 
   /// Calls `visit(site, known)` for the nodes that may be reached, in the order of what it costs to
   /// get there (`site.distance`) until it returns false; `known` is the lattice of the space itself
-  /// and decides what a step costs. `ways` lead on beyond narrow passages, see `FlightLattice`.
-  /// Call `follow` first.
-  template <typename Visit, typename Ways = FlightLattice<FreeSpace>::LatticeOnly>
+  /// and decides what a step costs. For `passages` see `FlightLattice`. Call `follow` first.
+  template <typename Visit, typename Passages = FlightLattice<FreeSpace>::LatticeOnly>
   void search(const Point3& start, FlightLattice<FreeSpace>& known, Visit&& visit,
-              Ways&& ways = {}) {
+              Passages&& passages = {}) {
     const auto cost = [&](const Eigen::Vector3d& step, const VoxelIndex& to, double length) {
       if (known.is_free(to)) return length;
       const double x = options.level_cost * step.x(), y = options.level_cost * step.y(),
@@ -73,11 +72,11 @@ class OptimisticLattice {
     };
     follow_->lattice.search(
         start, [&](const auto& site) { return visit(site, known.is_free(site.cell)); },
-        std::forward<Ways>(ways), cost);
+        std::forward<Passages>(passages), cost);
   }
-  /// The way by which the last search came to a node it visited.
-  std::vector<VoxelIndex> way_to(const VoxelIndex& cell) const {
-    return follow_->lattice.way_to(cell);
+  /// The path by which the last search came to a node it visited.
+  std::vector<VoxelIndex> path_to(const VoxelIndex& cell) const {
+    return follow_->lattice.path_to(cell);
   }
 
  private:

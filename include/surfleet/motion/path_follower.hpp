@@ -95,9 +95,9 @@ class PathFollower {
         a = (speed_ * speed_ - end * end) / (2.0 * left);
       const double peak = std::max(
           speed_, std::min(p.limit, std::sqrt(0.5 * (speed_ * speed_ + end * end) + a * left)));
-      const double up = (peak - speed_) / a, up_way = 0.5 * (peak + speed_) * up;
-      const double down = (peak - end) / a, down_way = 0.5 * (peak + end) * down;
-      const double cruise = std::max(0.0, left - up_way - down_way) / peak;
+      const double up = (peak - speed_) / a, up_length = 0.5 * (peak + speed_) * up;
+      const double down = (peak - end) / a, down_length = 0.5 * (peak + end) * down;
+      const double cruise = std::max(0.0, left - up_length - down_length) / peak;
       double t = dt;
       if (t < up) {
         along_ += speed_ * t + 0.5 * a * t * t;
@@ -106,13 +106,13 @@ class PathFollower {
       }
       t -= up;
       if (t < cruise) {
-        along_ += up_way + peak * t;
+        along_ += up_length + peak * t;
         speed_ = peak;
         return 0.0;
       }
       t -= cruise;
       if (t < down) {
-        along_ = p.length - down_way + peak * t - 0.5 * a * t * t;
+        along_ = p.length - down_length + peak * t - 0.5 * a * t * t;
         speed_ = peak - a * t;
         return 0.0;
       }
@@ -132,7 +132,7 @@ class PathFollower {
            (piece_ + 1 == pieces_.size() && along_ >= pieces_[piece_].length);
   }
   double speed() const { return speed_; }
-  /// Way to a stand by `stop()` [m].
+  /// Distance to a stand by `stop()` [m].
   double stopping_distance() const { return speed_ * speed_ / (2.0 * limits_.braking); }
   Point3 position() const {
     if (pieces_.empty()) return vertices_.empty() ? Point3::Zero() : vertices_.front();
@@ -147,7 +147,7 @@ class PathFollower {
     const double phi = std::min(along_, p.length) / p.radius;
     return std::cos(phi) * p.direction + std::sin(phi) * p.inward;
   }
-  /// The way that is left: the position, the rest of an arc under way, and the vertices ahead.
+  /// The path that is left: the position, the rest of an arc under way, and the vertices ahead.
   std::vector<Point3> remaining() const {
     std::vector<Point3> points{position()};
     if (at_end()) return points;
@@ -186,14 +186,14 @@ class PathFollower {
     ++piece_;
     along_ = 0.0;
   }
-  void travel(double way) {
+  void travel(double distance) {
     while (piece_ < pieces_.size()) {
       const double left = pieces_[piece_].length - along_;
-      if (way < left || piece_ + 1 == pieces_.size()) {
-        along_ = std::min(along_ + way, pieces_[piece_].length);
+      if (distance < left || piece_ + 1 == pieces_.size()) {
+        along_ = std::min(along_ + distance, pieces_[piece_].length);
         return;
       }
-      way -= left;
+      distance -= left;
       next_piece();
     }
   }

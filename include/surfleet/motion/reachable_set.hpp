@@ -103,14 +103,13 @@ class ReachableSet {
     const auto ca = component(a);
     return ca && ca == component(b);
   }
-  /// A way into a component: its lattice place nearest to where it was asked from.
+  /// An entrance of a component: its lattice place nearest to where it was asked from.
   struct Entrance {
     std::int32_t component;
     Point3 position;
   };
   /// The larger components that a free straight line of at most `max_distance` joins to a free
-  /// position: the ways out of a place too narrow for the lattice. Nearest first.
-  /// O(voxels in reach).
+  /// position: the exits of a place too narrow for the lattice. Nearest first. O(voxels in reach).
   std::vector<Entrance> entrances(const Point3& p, double max_distance) const {
     std::vector<Entrance> found;
     const auto own = component(p);

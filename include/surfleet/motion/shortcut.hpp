@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Path shortcutting: cut what line of sight allows, then pull the string taut.
+/// @brief Path shortcutting: cut what line of sight allows, then string pulling.
 #pragma once
 
 #include <algorithm>
@@ -42,9 +42,9 @@ void pull_vertices(std::vector<Point3>& p, const Visible& visible) {
     const Eigen::Vector3d chord = b - a;
     const double square = chord.squaredNorm();
     const double t = square > 0.0 ? std::clamp((p[i] - a).dot(chord) / square, 0.0, 1.0) : 0.0;
-    const Point3 foot = a + t * chord;
+    const Point3 projection = a + t * chord;
     for (double share = 0.5; share > 0.06; share *= 0.5) {
-      const Point3 moved = p[i] + share * (foot - p[i]);
+      const Point3 moved = p[i] + share * (projection - p[i]);
       if (visible(a, moved) && visible(moved, b)) {
         p[i] = moved;
         break;
@@ -79,7 +79,7 @@ std::vector<Point3> cut_corners(const std::vector<Point3>& p, const Visible& vis
 
 /// A path with the same ends, no longer than `points`, whose legs `visible(a, b)` allows; the legs
 /// of `points` are taken as allowed. Deterministic and local: it stays in the homotopy class or
-/// nearly so, and ends near a taut string. O(vertices² + rounds · vertices) checks.
+/// nearly so, and ends near a locally shortest path. O(vertices² + rounds · vertices) checks.
 template <typename Visible>
 Path shortcut(std::vector<Point3> points, const Visible& visible,
               const ShortcutOptions& options = {}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief A short way by places that need not be met exactly.
+/// @brief String pulling: a short path by places that need not be met exactly.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace surfleet {
 /// as a string through rings, pulled tight.
 ///
 /// In every sweep each vertex moves to where its ball comes nearest to the straight line between
-/// its neighbours, the last one towards the one before it. Nothing is asked of what is in the way.
+/// its neighbours, the last one towards the one before it. Obstacles are not considered.
 /// O(places · sweeps). Throws `Error` if `slack` is negative or not finite.
 inline std::vector<Point3> pulled_string(const Point3& start, std::span<const Point3> places,
                                          double slack, int sweeps = 20) {

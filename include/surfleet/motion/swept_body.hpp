@@ -105,7 +105,7 @@ class SweptBody {
 
  private:
   SweptBody() = default;
-  /// Looks at the square of `n` rings from the `i`-th and as many heights from the `k`-th, `n` a
+  /// Examines the square of `n` rings from the `i`-th and as many heights from the `k`-th, `n` a
   /// power of two: at whole squares first, then at their quarters, the farther from the middle
   /// first.
   template <typename Body>

@@ -93,12 +93,12 @@ class TangentBug {
   double to(const Point2& p) const { return (goal_ - p).norm(); }
 
   void move_towards(const Point2& target, double distance) {
-    const Point2 way = target - position_;
-    const double length = way.norm();
-    position_ = length <= distance ? target : Point2(position_ + distance / length * way);
+    const Point2 step = target - position_;
+    const double length = step.norm();
+    position_ = length <= distance ? target : Point2(position_ + distance / length * step);
   }
-  /// How far the way to the goal is sensed to be free.
-  double free_way() const {
+  /// How far the straight line to the goal is sensed to be free.
+  double free_ahead() const {
     const double length = to(position_);
     if (length <= eps_) return length;
     return std::min({free_distance(*domain_, position_, (goal_ - position_) / length), length,
@@ -108,16 +108,16 @@ class TangentBug {
     const double d = (v - position_).norm();
     return d > eps_ && d <= options_.range && sees(*domain_, position_, v);
   }
-  /// The sensed node of the local tangent graph with the shortest way by it to the goal, among
+  /// The sensed node of the local tangent graph with the shortest path by it to the goal, among
   /// those nearer to the goal than `limit`: corners, and where the sensor's circle cuts the walls.
   std::optional<Point2> best_node(double limit) const {
     std::optional<Point2> best;
-    double best_way = std::numeric_limits<double>::infinity();
+    double shortest = std::numeric_limits<double>::infinity();
     const auto consider = [&](const Point2& v) {
-      const double way = (v - position_).norm() + to(v);
-      if (to(v) < limit - eps_ && way < best_way && senses(v)) {
+      const double length = (v - position_).norm() + to(v);
+      if (to(v) < limit - eps_ && length < shortest && senses(v)) {
         best = v;
-        best_way = way;
+        shortest = length;
       }
     };
     const double reach = options_.range * (1.0 - 1e-9);
@@ -140,7 +140,7 @@ class TangentBug {
       phase_ = Phase::Arrived;
       return;
     }
-    const double free = free_way();
+    const double free = free_ahead();
     const double wanted = std::min(to(position_), std::max(options_.range, eps_));
     if (free >= wanted - 0.5 * eps_) {
       waypoint_.reset();
@@ -194,12 +194,12 @@ class TangentBug {
   void follow(double distance) {
     if (followed_ >= around_ - eps_) {
       projection_ = best_;
-      // The loop is closed where it began; back to the recorded point the shorter way.
+      // The loop is closed where it began; back to the recorded point by the shorter side.
       if (best_at_ > 0.5 * around_) forward_ = !forward_;
       phase_ = Phase::ToProjection;
       return;
     }
-    // The nearest point to the goal must not be stepped over: the way out may begin there.
+    // The nearest point to the goal must not be stepped over: the leaving path may begin there.
     const Point2 end = forward_ ? edge_end() : edge_start();
     const double ahead = (closest_on_segment(position_, end, goal_) - position_).norm();
     double step = std::min(distance, around_ - followed_);
@@ -222,7 +222,7 @@ class TangentBug {
         const Point2 c = closest_on_segment(a, b, goal_);
         if (to(c) < nearest_ && senses(c)) nearest_ = to(c);
       });
-    const double free = free_way();
+    const double free = free_ahead();
     if (free > 0.5 * eps_) {
       const Point2 node = position_ + free / to(position_) * (goal_ - position_);
       if (to(node) < nearest_ - 0.25 * eps_) {

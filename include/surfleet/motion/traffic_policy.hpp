@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Who goes, who waits and who steps aside when robots meet [000 §3.5.2 item 5].
+/// @brief Which robot goes, which waits and which steps aside when they meet [000 §3.5.2 item 5].
 #pragma once
 
 #include <algorithm>
@@ -24,8 +24,8 @@ struct TrafficAgent {
   std::vector<Point3> path{};  ///< Still ahead, from `position` on; may be empty.
   double radius = 1.0;         ///< Of the body [m].
   double speed = 0.6;          ///< Its cruising speed [m/s].
-  bool idle = false;           ///< Has no task: gives way to everyone who has.
-  bool cornered = false;       ///< Could not give way: everyone gives way to it.
+  bool idle = false;           ///< Has no task: gives way to every robot that has.
+  bool cornered = false;       ///< Could not give way: all others give way to it.
   /// Stands, and will ask again before it moves on. Robots decide at once, on what was told before:
   /// to a senior such a robot stands, a junior counts on its going on unless it is itself in the
   /// way, so that of two that wait for each other's first step just one takes it.
@@ -54,23 +54,25 @@ struct TrafficOptions {
 };
 
 namespace detail {
-/// The point `way` metres along a polyline, or its end.
-inline Point3 point_along(std::span<const Point3> path, double way) {
+/// The point `distance` [m] along a polyline, or its end.
+inline Point3 point_along(std::span<const Point3> path, double distance) {
   for (std::size_t i = 1; i < path.size(); ++i) {
     const double leg = (path[i] - path[i - 1]).norm();
-    if (way <= leg && leg > 0.0) return path[i - 1] + (path[i] - path[i - 1]) * (way / leg);
-    way -= leg;
+    if (distance <= leg && leg > 0.0)
+      return path[i - 1] + (path[i] - path[i - 1]) * (distance / leg);
+    distance -= leg;
   }
   return path.back();
 }
-/// The first `way` metres of a polyline.
-inline std::vector<Point3> head_of(std::span<const Point3> path, double way) {
+/// The first `distance` [m] of a polyline.
+inline std::vector<Point3> head_of(std::span<const Point3> path, double distance) {
   std::vector<Point3> head{path.front()};
-  for (std::size_t i = 1; i < path.size() && way > 0.0; ++i) {
+  for (std::size_t i = 1; i < path.size() && distance > 0.0; ++i) {
     const double leg = (path[i] - path[i - 1]).norm();
-    head.push_back(way >= leg ? path[i]
-                              : Point3(path[i - 1] + (path[i] - path[i - 1]) * (way / leg)));
-    way -= leg;
+    head.push_back(distance >= leg
+                       ? path[i]
+                       : Point3(path[i - 1] + (path[i] - path[i - 1]) * (distance / leg)));
+    distance -= leg;
   }
   return head;
 }
@@ -102,13 +104,13 @@ inline double polyline_distance(std::span<const Point3> p, std::span<const Point
 /// One robot's view of the traffic; every robot runs its own, on what the others tell.
 ///
 /// Right of way: cornered robots, then those with a task, then the higher priority, then the lower
-/// id. A robot whose way and a senior's come closer than the clearance allows, at the times they
-/// would be there, goes on as far as it can still wait out of the senior's way. If it stands in
-/// that way, it steps aside to the nearest free place that is out of it; without any it stays, says
-/// it is cornered and has the right of way for a while. Whatever the rank, no robot closes in on
+/// id. A robot whose path and a senior's come closer than the clearance allows, at the times they
+/// would be there, goes on as far as it can still wait off the senior's path. If it stands on that
+/// path, it steps aside to the nearest free place that is out of it; without any it stays, says it
+/// is cornered and has the right of way for a while. Whatever the rank, no robot closes in on
 /// another so far that both could not brake: two robots that both keep this rule never touch, the
-/// senior included. The highest-ranked robot waits for no one who can make room, so it arrives;
-/// then the next one does.
+/// senior included. The highest-ranked robot waits for none that can make room, so it arrives; then
+/// the next one does.
 class TrafficPolicy {
  public:
   TrafficOptions options;
@@ -121,7 +123,7 @@ class TrafficPolicy {
 
   /// Decides for `self`, whose path is the one it wants to take, at time `now` [s].
   /// `free(a, b)` tells whether the segment is free of obstacles. O(others · horizon), more when it
-  /// has to look for a place.
+  /// has to search for a place.
   template <typename Free>
   Maneuver operator()(const TrafficAgent& self, std::span<const TrafficAgent> others,
                       const Free& free, double now) {
@@ -156,7 +158,7 @@ class TrafficPolicy {
   bool cornered(double now) const { return now < cornered_until_; }
 
   /// The rule above all: the id of a teammate that `self` must not come any closer to on its path,
-  /// whatever it is on its way for, or −1. To be asked every `period` while moving.
+  /// whatever its goal, or −1. To be asked every `period` while moving.
   int too_close(const TrafficAgent& self, std::span<const TrafficAgent> others) const {
     if (self.path.size() < 2) return -1;
     const auto mine = reach(self);
@@ -169,12 +171,13 @@ class TrafficPolicy {
   }
 
  private:
-  /// The way of a moving robot until it would stand, told so at the next decision.
+  /// The path of a moving robot until it would stand, told so at the next decision.
   std::vector<Point3> reach(const TrafficAgent& a) const {
     return detail::head_of(a.path,
                            a.speed * options.period + 0.5 * a.speed * a.speed / options.braking);
   }
-  /// Whether `a` on its way `mine` comes too near to `o`, on `its` way, and nearer than it is.
+  /// Whether `a` on its path `mine` comes too near to `o`, on its path `its`, and nearer than it
+  /// is.
   bool closes_in(const TrafficAgent& a, std::span<const Point3> mine, const TrafficAgent& o,
                  std::span<const Point3> its) const {
     if (detail::polyline_distance(mine, its) >= a.radius + o.radius + options.least_gap)
@@ -231,10 +234,10 @@ class TrafficPolicy {
   template <typename Free>
   std::pair<Point3, bool> place_aside(const TrafficAgent& me, std::span<const TrafficAgent> others,
                                       const Free& free) const {
-    std::vector<std::vector<Point3>> ways(others.size());
+    std::vector<std::vector<Point3>> paths(others.size());
     for (std::size_t i = 0; i < others.size(); ++i) {
       const TrafficAgent& o = others[i];
-      ways[i] = o.path.size() < 2 || !before(o, me) ? std::vector<Point3>{o.position} : o.path;
+      paths[i] = o.path.size() < 2 || !before(o, me) ? std::vector<Point3>{o.position} : o.path;
     }
     for (double distance = 0.5; distance <= options.longest_step; distance += 0.5)
       for (int k = 0; k < 40; ++k) {
@@ -255,7 +258,7 @@ class TrafficPolicy {
           const std::array<Point3, 1> end{target};
           const std::array<Point3, 2> move{me.position, target};
           const std::array<Point3, 1> there{o.position};
-          good = detail::polyline_distance(end, ways[i]) >= keep &&
+          good = detail::polyline_distance(end, paths[i]) >= keep &&
                  detail::polyline_distance(move, there) >=
                      std::min(gap, (me.position - o.position).norm() - 1e-6);
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What a tour planner takes clusters of viewpoints to be worth [000 §2.4.3, 2.4.4].
+/// @brief The gain of clusters of viewpoints, for tour planners [000 §2.4.3, 2.4.4].
 #pragma once
 
 #include <algorithm>

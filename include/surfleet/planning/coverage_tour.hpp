@@ -24,7 +24,7 @@
 #include <surfleet/geometry/ray_caster.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
-#include <surfleet/motion/roadmap_ways.hpp>
+#include <surfleet/motion/roadmap_passages.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
@@ -43,25 +43,25 @@ struct CoverageTourOptions {
   double max_incidence = 1.4;  ///< Greatest angle between the normal and the line of sight [rad].
   /// Greatest depth that counts [m]; nothing: the range of the camera.
   std::optional<double> max_range{};
-  double image_spacing = 1.0;  ///< Between the looks on the way [m].
+  double image_spacing = 1.0;  ///< Between the images en route [m].
   int rounds = 3;              ///< Of dropping, re-inserting and re-ordering.
 };
 
 struct CoverageTour {
   std::vector<Configuration> viewpoints;  ///< In the order of the visit, without the start.
   std::vector<Point3> path;               ///< The whole flight, the start first.
-  /// The images that count, in the order of the flight: at the viewpoints, and on the way to each
+  /// The images that count, in the order of the flight: at the viewpoints, and en route to each
   /// with its heading.
-  std::vector<Configuration> looks;
+  std::vector<Configuration> images;
   double length = 0.0;          ///< Of `path` [m].
   double seen_area = 0.0;       ///< [m²]
   double reachable_area = 0.0;  ///< What the candidates together can see [m²].
-  /// By lines of sight, as the plan was made; what images of the flight are worth is for
+  /// By lines of sight, as the plan was made; what the images of the flight cover is for
   /// `oriented_coverage` to say.
   double coverage() const { return reachable_area > 0.0 ? seen_area / reachable_area : 1.0; }
 };
 
-/// How a tour is flown to take images: at constant speed, turning on the way to each viewpoint and
+/// How a tour is flown to take images: at constant speed, turning en route to each viewpoint and
 /// there until its heading and pitch are reached.
 struct TourFlightOptions {
   double speed = 0.6;          ///< [m/s]
@@ -73,7 +73,7 @@ struct TourFlightOptions {
 
 /// Where images are taken on a tour: a body's pose and its time in seconds for each. The first is
 /// at `start` at time 0; there is one at every corner of the path, so that straight lines between
-/// images are the path, and one at every viewpoint as it looks. O(images).
+/// images are the path, and one at every viewpoint with its heading. O(images).
 inline std::vector<std::pair<double, Configuration>> fly_tour(
     const CoverageTour& tour, const Configuration& start, const TourFlightOptions& options = {}) {
   require(options.speed > 0.0 && options.yaw_rate > 0.0 && options.pitch_rate > 0.0 &&
@@ -89,8 +89,8 @@ inline std::vector<std::pair<double, Configuration>> fly_tour(
     images.push_back({time + dt, {p, wrap_angle(last.yaw + turn), last.pitch + tilt}});
   };
   std::size_t stop = 0;
-  // At a viewpoint: all that have this place are looked from, each with its heading.
-  const auto look_around = [&](const Point3& at) {
+  // At a viewpoint: an image of each that has this place.
+  const auto observe_at = [&](const Point3& at) {
     for (; stop < tour.viewpoints.size() && tour.viewpoints[stop].position == at; ++stop) {
       const Configuration& view = tour.viewpoints[stop];
       while (std::abs(wrap_angle(images.back().second.yaw - view.yaw)) > 1e-9 ||
@@ -100,14 +100,14 @@ inline std::vector<std::pair<double, Configuration>> fly_tour(
         image(at, view, options.image_period);
     }
   };
-  if (!tour.path.empty()) look_around(tour.path.front());
+  if (!tour.path.empty()) observe_at(tour.path.front());
   for (std::size_t k = 1; k < tour.path.size() && stop < tour.viewpoints.size(); ++k) {
     const Point3 &a = tour.path[k - 1], &b = tour.path[k];
     const double time = (b - a).norm() / options.speed;
     const double steps = std::ceil(time / options.image_period);
     for (double i = 1.0; i <= steps; ++i)
       image(i < steps ? Point3(a + (b - a) * (i / steps)) : b, tour.viewpoints[stop], time / steps);
-    look_around(b);
+    observe_at(b);
   }
   return images;
 }
@@ -140,17 +140,17 @@ class CoverageTourPlanner {
     grow();
     for (int round = 0; round < options_.rounds; ++round) {
       improve_order();
-      view_on_the_way();
+      view_en_route();
       drop_useless();
       grow();
     }
     improve_order();
-    // What was seen on the way to a stop that is gone, or in another order, does not count.
+    // What was seen en route to a stop that is gone, or in another order, does not count.
     for (int round = 0; round < options_.rounds; ++round) {
-      view_on_the_way();
+      view_en_route();
       grow();
     }
-    view_on_the_way();
+    view_en_route();
     fly(tour);
     return tour;
   }
@@ -187,10 +187,10 @@ class CoverageTourPlanner {
       sites_.push_back(site.position);
       return true;
     };
-    lattice.search(start_.position, visit, RoadmapWays(roadmap_, reach));
+    lattice.search(start_.position, visit, RoadmapPassages(roadmap_, reach));
   }
 
-  /// Samples seen from the stops and on the way, as counts; the total area seen.
+  /// Samples seen from the stops and en route, as counts; the total area seen.
   double count_seen() {
     count_.assign(surface_.points.size(), 0);
     for (const std::size_t s : stops_)
@@ -210,7 +210,7 @@ class CoverageTourPlanner {
     const auto [it, fresh] = lengths_.try_emplace(std::minmax(a, b), 0.0);
     if (fresh) {
       const auto path = roadmap_.query(sites_[it->first.first], sites_[it->first.second]);
-      it->second = path ? path->length : kNoWay;
+      it->second = path ? path->length : kNoPath;
     }
     return it->second;
   }
@@ -218,8 +218,8 @@ class CoverageTourPlanner {
   /// Adds the viewpoint of most new area per inserted metre until the goal is met.
   ///
   /// Lazy greedy: gains only shrink, so an old gain over the least straight detour bounds a
-  /// candidate's rate, and only those that could be the best are counted anew and their ways asked
-  /// for.
+  /// candidate's rate, and only those that could be the best are counted anew and their paths
+  /// queried.
   void grow() {
     if (en_route_.empty()) en_route_.assign(surface_.points.size(), 0);
     double seen = count_seen();
@@ -297,9 +297,8 @@ class CoverageTourPlanner {
     stops_ = std::move(next);
   }
 
-  /// Looks taken on the way, facing as at the next viewpoint, as a drone would that turns while
-  /// it flies.
-  void view_on_the_way() {
+  /// Images taken en route, facing as at the next viewpoint, as by a drone that turns in flight.
+  void view_en_route() {
     en_route_.assign(surface_.points.size(), 0);
     for (std::size_t k = 0; k < stops_.size(); ++k) {
       const auto path = roadmap_.query(place(k), place(k + 1));
@@ -311,14 +310,14 @@ class CoverageTourPlanner {
       });
     }
   }
-  /// Calls `look` with the places of a path where an image is taken.
-  template <typename Look>
-  void for_each_view_along(const Path& path, Look&& look) const {
+  /// Calls `take` with the positions along a path where an image is taken.
+  template <typename Take>
+  void for_each_view_along(const Path& path, Take&& take) const {
     double until = options_.image_spacing;
     for (std::size_t s = 1; s < path.points.size(); ++s) {
       const Point3 a = path.points[s - 1], b = path.points[s];
       const double length = (b - a).norm();
-      for (; until < length; until += options_.image_spacing) look(a + (b - a) * (until / length));
+      for (; until < length; until += options_.image_spacing) take(a + (b - a) * (until / length));
       until -= length;
     }
   }
@@ -362,19 +361,19 @@ class CoverageTourPlanner {
       if (const auto path = roadmap_.query(place(k), place(k + 1))) {
         tour.path.insert(tour.path.end(), path->points.begin() + 1, path->points.end());
         for_each_view_along(*path, [&](const Point3& p) {
-          tour.looks.push_back({p, stop.yaw, stop.pitch});
+          tour.images.push_back({p, stop.yaw, stop.pitch});
         });
       }
       tour.viewpoints.push_back(stop);
-      tour.looks.push_back(stop);
+      tour.images.push_back(stop);
     }
     tour.length = polyline_length(tour.path);
     tour.seen_area = count_seen();
   }
 
-  static constexpr std::size_t kNeighbors = 24;  ///< Of a stop, whose ways are asked for.
-  static constexpr double kWinding = 1.3;        ///< A way over its straight line, elsewhere.
-  static constexpr double kNoWay = 1e6;          ///< [m]
+  static constexpr std::size_t kNeighbors = 24;  ///< Of a stop, whose paths are queried.
+  static constexpr double kWinding = 1.3;        ///< A path over its straight line, elsewhere.
+  static constexpr double kNoPath = 1e6;         ///< [m]
 
   const KnownSurface& surface_;
   const FreeSpace& space_;
@@ -394,7 +393,7 @@ class CoverageTourPlanner {
 }  // namespace detail
 
 /// Chooses viewpoints by new area per metre inserted into the tour, improves the order by
-/// Lin-Kernighan over roadmap lengths, counts what is seen on the way, drops what became useless,
+/// Lin-Kernighan over roadmap lengths, counts what is seen en route, drops what became useless,
 /// and fills up again. Candidates are the nodes of a lattice that can be reached from the start,
 /// with sixteen headings each, and a gimbal's `pitches` (see `HeadingTable`). It is what an
 /// engineer with a model of the structure would fly, and the yardstick for planners that have none.

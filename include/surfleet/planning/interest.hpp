@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What is worth looking at: incomplete surface, surface predicted behind it, the frontier.
+/// @brief Targets of views: incomplete surface, surface predicted behind it, the frontier.
 #pragma once
 
 #include <algorithm>
@@ -31,8 +31,7 @@ struct InterestOptions {
   double frontier_full = 0.3;
 };
 
-/// The targets of views, by three sources. For one mission, as it remembers what was looked at in
-/// vain.
+/// The targets of views, from three sources. For one mission, as it remembers views in vain.
 ///
 /// Incomplete elements in cells of two voxels that face alike are one target. Predicted surface
 /// counts half as much each time that a view did not bring it. The frontier, where unknown space

@@ -20,10 +20,10 @@
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
-/// What was in view where a robot had looked already: not worth another view there.
+/// What was left in view where a robot has viewed already: no reason for another view there.
 class ViewsInVain {
  public:
-  /// `gain` is left in a view from a node after a look there; says whether that is new.
+  /// `gain` is left in a view from a node after one was taken; says whether that is new.
   bool note(std::size_t node, int view, double gain) {
     return left_.insert_or_assign({node, view}, gain).second;
   }
@@ -33,7 +33,7 @@ class ViewsInVain {
   }
 
  private:
-  static constexpr double kMore = 1.1;  ///< Times what was left, for another look to be worth it.
+  static constexpr double kMore = 1.1;                  ///< Times what was left, for another view.
   std::map<std::pair<std::size_t, int>, double> left_;  // [m²]
 };
 
@@ -66,7 +66,7 @@ class LatticeViews {
     const Site& site = places_[s].site;
     return share_of(site) * (any(site.cell) ? most_(site.cell).most() : 0.0);
   }
-  double look(std::size_t s, double enough, GainByView& gain) {
+  double evaluate(std::size_t s, double enough, GainByView& gain) {
     Place& place = places_[s];
     const double share = share_of(place.site);
     View& view = view_of(place);
@@ -134,7 +134,7 @@ class LatticeViews {
   template <typename StillWanted>
   void cast(const Site& site, View& view, ViewBits wanted, StillWanted&& still_wanted) const {
     MapSight sees = targets_->sight();
-    if (!site.known) sees.look_through_unknown();
+    if (!site.known) sees.see_through_unknown();
     const Point3 position = lattice_->position(site.cell);
     std::size_t left = 0;
     for (std::size_t k = 0; k < view.seen.size(); ++k) {

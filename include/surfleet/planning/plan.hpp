@@ -20,7 +20,7 @@
 #include <surfleet/viewpoint/left_reason.hpp>
 
 namespace surfleet {
-/// One stop of a robot: where to be, and which elements are to be looked at from there.
+/// One stop of a robot: where to be, and which elements are to be viewed from there.
 struct Stop {
   Configuration configuration;
   std::vector<VoxelIndex> targets;  ///< Incomplete elements this stop is for; may be empty.
@@ -36,18 +36,18 @@ struct RobotState {
   std::vector<Point3> ahead{};  ///< The path it is on, from where it is.
   Stops route{};                ///< What it still has to do.
   bool idle = true;             ///< It has nothing to do.
-  bool done = false;            ///< Nor has its map, as far as it knows, anything left for anybody.
-  std::uint64_t holds = 0;      ///< If it is done: a digest of what its map is made of.
-  double age = 0.0;             ///< Of this news [s].
+  bool done = false;        ///< Nor has its map, as far as it knows, anything left for any robot.
+  std::uint64_t holds = 0;  ///< If it is done: a digest of what its map is made of.
+  double age = 0.0;         ///< Of this news [s].
   // In traffic, see `TrafficAgent`:
   bool held = false, cornered = false, first = false;
 };
 
-/// Everything a planner may look at: a value, whose views last for the call.
+/// All that a planner is given: a value, whose views last for the call.
 template <typename Belief>
 struct Situation {
   const Belief& belief;
-  std::span<const typename Belief::Goal> goals;  ///< Worth planning for, in voxel order.
+  std::span<const typename Belief::Goal> goals;  ///< To be planned for, in voxel order.
   std::span<const RobotId> asked;                ///< Those to plan for, ascending.
   std::span<const RobotState> team;              ///< All, always, by ascending id.
   double time = 0.0;                             ///< [s]
@@ -79,24 +79,25 @@ struct ReplanRule {
   std::optional<double> utility_share;
   /// Whether robots under way turn to their next stop without braking first, if it lies ahead.
   bool turn_in_flight = false;
-  /// Whether robots under way look at what there is to see until they have to turn for their goal;
-  /// if not, they look to their goal as soon as it is no farther off than half a turn takes.
+  /// Whether robots under way turn to what there is to see until they have to turn for their goal;
+  /// if not, they turn to the goal's heading as soon as it is no farther off than half a turn
+  /// takes.
   bool watch_on = false;
 };
 
 /// What is expected of a route and of what would follow it, by the planner: the beginning of it
 /// that pays best.
 struct Outlook {
-  double gain = 0.0;  ///< New surface [m²].
-  double way = 0.0;   ///< To be flown for it [m].
+  double gain = 0.0;      ///< New surface [m²].
+  double distance = 0.0;  ///< To be flown for it [m].
 };
 /// Which beginning of a route pays best: the most gain for a metre.
 class BestBeginning {
  public:
-  void add(double gain, double way) {
+  void add(double gain, double distance) {
     so_far_.gain += gain;
-    so_far_.way += way;
-    if (!any_ || so_far_.gain * best_.way > best_.gain * so_far_.way) best_ = so_far_;
+    so_far_.distance += distance;
+    if (!any_ || so_far_.gain * best_.distance > best_.gain * so_far_.distance) best_ = so_far_;
     any_ = true;
   }
   const Outlook& outlook() const { return best_; }
@@ -108,14 +109,14 @@ class BestBeginning {
 
 /// New routes and the elements for which the planner found none.
 struct Plan {
-  /// By robot: who is not named keeps the route it has; an empty route takes it away.
+  /// By robot: one that is not named keeps the route it has; an empty route takes it away.
   std::map<RobotId, Stops> routes;
   /// Of routes, if the planner has an opinion. Without, a route shows what its stops are for.
   std::map<RobotId, Outlook> outlook{};
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible;
   ReplanRule replan{};
 
-  /// Whether nobody is given anything to do.
+  /// Whether no robot is given anything to do.
   bool nothing() const {
     return std::all_of(routes.begin(), routes.end(),
                        [](const auto& route) { return route.second.empty(); });
@@ -130,8 +131,8 @@ concept FleetPlanner = requires(P& planner, const SurfaceSituation& situation) {
   { planner(situation) } -> std::same_as<Plan>;
 };
 
-/// The planner's answer. Throws `Error` if it answers for nobody who was asked, or names a robot
-/// that is not of the team.
+/// The planner's answer. Throws `Error` if it gives a robot that was asked for no answer, or names
+/// one that is not of the team.
 template <FleetPlanner P>
 Plan ask(P& planner, const SurfaceSituation& situation) {
   Plan plan = planner(situation);

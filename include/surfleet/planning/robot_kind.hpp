@@ -65,10 +65,9 @@ struct RobotKind {
 };
 
 /// Has robots of the kind see with a LiDAR that stands upright in the body, at `place` [m].
-/// Planners know cameras alone: they plan for one that looks ahead and sees a part of what the
-/// LiDAR does
-/// (`camera_within`), so that a view never promises too much; what the LiDAR sees on all other
-/// sides comes without being planned for, and agents do not turn to a view's heading. Throws
+/// Planners know cameras alone: they plan for one that faces ahead and sees a part of what the
+/// LiDAR does (`camera_within`), so that a view never promises too much; what the LiDAR sees on all
+/// other sides comes without being planned for, and agents do not turn to a view's heading. Throws
 /// `Error` for a LiDAR that is none.
 inline void carry(RobotKind& kind, const LidarModel& lidar, const Point3& place = Point3::Zero()) {
   kind.camera = camera_within(lidar);
@@ -78,7 +77,7 @@ inline void carry(RobotKind& kind, const LidarModel& lidar, const Point3& place 
 }
 
 /// The same for kinds that see and reach the same, on whatever host, and almost certainly another
-/// for others: what one robot looked for in vain, another of its kind need not try.
+/// for others: what one robot viewed in vain, another of its kind need not try.
 inline std::uint32_t kind_number(const RobotKind& kind) {
   std::uint64_t h = 0;
   // Whole micrometres, as hosts' sines differ in their last bits.

@@ -18,7 +18,7 @@
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/optimistic_lattice.hpp>
-#include <surfleet/motion/roadmap_ways.hpp>
+#include <surfleet/motion/roadmap_passages.hpp>
 #include <surfleet/motion/string_pulling.hpp>
 #include <surfleet/planning/interest.hpp>
 #include <surfleet/planning/lattice_views.hpp>
@@ -30,16 +30,16 @@
 namespace surfleet {
 struct RollingToursOptions {
   InterestOptions interest;
-  double view_range = kUsefulRange;  ///< Farthest view that counts, over the camera's range.
-  double stop_share = 0.125;         ///< What a stop costs beside its flight, over the range.
-  double turn_cost = 0.1;            ///< What turning costs [m/rad].
-  double keep = 1.3;                 ///< See `TeamTourOptions`.
-  double balance = 0.3;              ///< The same.
-  int stops = 10;                    ///< Of each robot's tour.
-  double spacing_share = 0.15;       ///< Lattice spacing over the camera's range.
-  OptimisticLatticeOptions ways;     ///< What ways cost that are not known.
-  double unknown_gain = 0.7;         ///< Of a view from unknown space, over that of one from known.
-  /// So far beside their places stops may be for a shorter way, over the range.
+  double view_range = kUsefulRange;        ///< Farthest view that counts, over the camera's range.
+  double stop_share = 0.125;               ///< What a stop costs beside its flight, over the range.
+  double turn_cost = 0.1;                  ///< What turning costs [m/rad].
+  double keep = 1.3;                       ///< See `TeamTourOptions`.
+  double balance = 0.3;                    ///< The same.
+  int stops = 10;                          ///< Of each robot's tour.
+  double spacing_share = 0.15;             ///< Lattice spacing over the camera's range.
+  OptimisticLatticeOptions unknown_space;  ///< What paths cost there.
+  double unknown_gain = 0.7;  ///< Of a view from unknown space, over that of one from known.
+  /// So far beside their places stops may be for a shorter path, over the range.
   double slack = 0.2;
   double utility_share = 0.2;  ///< A new plan is wanted when so much of a route is complete.
   bool exchange = false;       ///< See `TeamTourOptions`.
@@ -48,13 +48,13 @@ struct RollingToursOptions {
   int threads = 1;  ///< Plans are the same for any number.
 };
 
-/// Tours of the whole team over all there is to see, rolled on with every image.
+/// Orienteering tours of the whole team over all targets, planned anew with every image.
 ///
-/// What is worth seeing is told by `Interest`; a stop is a node of the flight lattice and a
-/// view. Each plan makes a tour for every robot by gain per metre inserted (`TeamTours`), in
-/// space that is known or may be free; robots under way keep the stops they were given, and their
-/// tours go on from there. Who is asked for is given the first stops of its tour, or the look that
-/// opens most of the way where that is not known. The rule is the same for one robot and for many.
+/// Targets come from `Interest`; a stop is a node of the flight lattice and a view. Each plan makes
+/// a tour for every robot by gain per metre inserted (`TeamTours`), in space that is known or may
+/// be free; robots under way keep the stops they were given, and their tours go on from there. A
+/// robot that is asked for is given the first stops of its tour, or the view that opens most of the
+/// path where that is not known. The rule is the same for one robot and for many.
 ///
 /// It remembers what it has seen of the map: one planner for one mission.
 class RollingTours {
@@ -66,13 +66,13 @@ class RollingTours {
   Plan operator()(const SurfaceSituation& s) {
     const double range = s.space().kind.camera.max_range;
     FlightLattice<FreeSpace>& lattice = follow(s.space().free, options.spacing_share * range);
-    // Who has no view that can be hoped for has those that can be flown to; from everywhere only
-    // where there is nothing to be seen from some places.
+    // A robot without a view that can be hoped for has those that can be flown to; from everywhere
+    // only where there is nothing to be seen from nearby.
     const Search near{kReach * range, kFine * range}, anywhere{};
-    optimistic_.options = options.ways;
+    optimistic_.options = options.unknown_space;
     optimistic_.follow(s.space().free, lattice.spacing());
     std::optional<SightTargets<>> seen;
-    // What is worth seeing and where one can be are found at the same time.
+    // Targets and reachable nodes are found at the same time.
     parallel_for(2, options.threads, [&](std::size_t part) {
       if (part == 0)
         seen.emplace(interest_(s), MapSight(s.belief.observed()), s.space().headings,
@@ -120,20 +120,20 @@ class RollingTours {
     double distance;  // [m]
     bool known;       // to be free
   };
-  /// A robot that a route is looked for: where it starts, and what can be reached from there.
+  /// A robot that waits for a route: where it starts, and what can be reached from there.
   struct Waiting {
     RobotId id;
     Point3 start;
     ReachFrom reach;
   };
-  /// Where stops could be, and how far that is for who waits.
+  /// Where stops could be, and how far that is for the waiting robots.
   struct Sites {
     std::vector<Point3> positions;
     std::unordered_map<std::size_t, std::size_t> by_node;
-    std::vector<std::vector<double>> distances;  // by who waits and site [m]
+    std::vector<std::vector<double>> distances;  // by waiting robot and site [m]
   };
 
-  /// Routes for those who are asked for and have none yet, by way of what was reached; unless
+  /// Routes for those that are asked for and have none yet, over the reached nodes; unless
   /// `hopeful`, in known space alone.
   void plan_within(bool hopeful, const SurfaceSituation& s, const SightTargets<>& targets,
                    Lattice& lattice, Plan& plan) {
@@ -162,7 +162,7 @@ class RollingTours {
           starts.back().goal = it->second;
       if (options.keep_tours) starts.back().told = told_sites(waiting[w].id, sites);
     }
-    // Who is under way goes on from its last stop.
+    // A robot under way goes on from its last stop.
     for (const auto& [id, route] : under_way) {
       starts.push_back({route->back().configuration,
                         {},
@@ -194,8 +194,8 @@ class RollingTours {
         plan.routes[waiting[w].id] =
             begin(s, targets, views, waiting[w], tours[w], sites.positions, done);
         goals_[waiting[w].id] = views.node(first);
-      } else if (auto look = open_way(s, lattice, waiting[w], views[first].cell)) {
-        plan.routes[waiting[w].id] = {*look};
+      } else if (auto view = open_path(s, lattice, waiting[w], views[first].cell)) {
+        plan.routes[waiting[w].id] = {*view};
       }
     }
   }
@@ -220,8 +220,8 @@ class RollingTours {
     return best.outlook();
   }
 
-  /// The nodes that may be reached by who is asked for, in the order of their distance; last those
-  /// beyond passages too narrow for the lattice.
+  /// The nodes that may be reached by each robot asked for, in the order of their distance; last
+  /// those beyond passages too narrow for the lattice.
   void reach_from(const SurfaceSituation& s, const Search& search, Lattice& lattice) {
     reached_.clear();
     for (const RobotId id : s.asked) {
@@ -235,7 +235,7 @@ class RollingTours {
               nodes.push_back({c, site.position, site.distance, known});
             return true;
           },
-          RoadmapWays(s.space().roadmap, s.space().roadmap.reach_from(start)));
+          RoadmapPassages(s.space().roadmap, s.space().roadmap.reach_from(start)));
     }
   }
   Sites find_sites(bool hopeful, const Lattice& lattice, std::span<const Waiting> waiting,
@@ -261,28 +261,28 @@ class RollingTours {
     }
     return sites;
   }
-  /// The view that opens most of the way to a node in unknown space.
-  std::optional<Stop> open_way(const SurfaceSituation& s, Lattice& lattice, const Waiting& robot,
-                               const VoxelIndex& goal) {
+  /// The view that opens most of the path to a node in unknown space.
+  std::optional<Stop> open_path(const SurfaceSituation& s, Lattice& lattice, const Waiting& robot,
+                                const VoxelIndex& goal) {
     optimistic_.search(
         robot.start, lattice, [&](const auto& site, bool) { return site.cell != goal; },
-        RoadmapWays(s.space().roadmap, robot.reach));
-    std::vector<Point3> way{robot.start};
-    for (const VoxelIndex& c : optimistic_.way_to(goal)) {
-      if (way.size() == 1 && lattice.is_free(c)) way.clear();
-      way.push_back(lattice.position(c));
+        RoadmapPassages(s.space().roadmap, robot.reach));
+    std::vector<Point3> path{robot.start};
+    for (const VoxelIndex& c : optimistic_.path_to(goal)) {
+      if (path.size() == 1 && lattice.is_free(c)) path.clear();
+      path.push_back(lattice.position(c));
     }
-    return opening_(s, lattice, robot.reach, s.robot(robot.id).at, robot.start, way);
+    return opening_(s, lattice, robot.reach, s.robot(robot.id).at, robot.start, path);
   }
 
-  /// The first stops of a tour, as far as they are in known space, moved for a shorter way.
+  /// The first stops of a tour, as far as they are in known space, moved by string pulling.
   Stops begin(const SurfaceSituation& s, const SightTargets<>& targets, const LatticeViews& views,
               const Waiting& robot, std::span<const TeamTourStop> tour,
               std::span<const Point3> sites, std::vector<char>& done) {
     const double range = s.space().kind.camera.max_range;
     std::vector<Point3> places;
     for (const TeamTourStop& stop : tour) places.push_back(sites[stop.site]);
-    const std::vector<Point3> taut = pulled_string(robot.start, places, options.slack * range);
+    const std::vector<Point3> pulled = pulled_string(robot.start, places, options.slack * range);
     Stops route;
     std::erase_if(moved_, [&](const Moved& m) { return m.robot == robot.id; });
     for (std::size_t k = 0; k < std::min(tour.size(), kGiven); ++k) {
@@ -290,7 +290,7 @@ class RollingTours {
       if (!site.known) break;
       const Configuration at = s.space().headings.at(places[k], tour[k].view);
       Configuration moved = at;
-      moved.position = place_beside(s, targets, at, tour[k].view, taut[k], done);
+      moved.position = place_beside(s, targets, at, tour[k].view, pulled[k], done);
       if (moved.position != at.position) moved_.push_back({robot.id, moved.position, site.cell});
       Stop stop{moved, {}};
       mark_in_view(targets.seen_from(moved.position), tour[k].view, done, [&](std::size_t id) {
@@ -331,7 +331,7 @@ class RollingTours {
     followed_ = space.revision();
     return *lattice_;
   }
-  /// What is still in view from where a robot stands its look did not bring.
+  /// What is still in view from where a robot stands was viewed in vain.
   void note_what_is_left(const SurfaceSituation& s, const SightTargets<>& targets, Lattice& lattice,
                          const Configuration& at) {
     const auto moved = std::find_if(moved_.begin(), moved_.end(), [&](const Moved& m) {
@@ -349,7 +349,7 @@ class RollingTours {
     std::vector<char> done(targets.size(), 0);
     const double gain = gain_by_view(targets, seen, done)[static_cast<std::size_t>(view)];
     if (!vain_.note(lattice.index(cell), view, gain))
-      return;  // A robot that stands there still has not looked anew.
+      return;  // The robot still stands there and has taken no new view.
     mark_in_view(seen, view, done, [&](std::size_t id) {
       interest_.viewed_in_vain(id, targets[id].position, s.belief.known().voxel_size());
     });
@@ -373,7 +373,7 @@ class RollingTours {
   ViewsInVain vain_;
   std::optional<Lattice> lattice_;
   std::uint64_t followed_ = 0;                        // revision of its space
-  std::map<RobotId, std::vector<Reached>> reached_;   // by who is asked for
+  std::map<RobotId, std::vector<Reached>> reached_;   // by robot asked for
   std::vector<Moved> moved_;                          // of the stops given out last
   std::map<RobotId, std::vector<std::size_t>> told_;  // the nodes of its last tour
   std::map<RobotId, std::size_t> goals_;              // the node each was sent to

@@ -37,9 +37,9 @@ struct SurfaceBeliefOptions {
   /// Folds what is seen into the map, with the options above in place of its own; nothing: the
   /// projective one, whose weight 1/z² drops off behind the surface (`drop_off_by_voxels`).
   std::optional<AnyIntegrator> integrator{};
-  ViewLedgerOptions looks{};  ///< When an element is given up.
-  Box3 region;                ///< Where surface is to be reconstructed [m].
-  std::uint64_t seed = 1;     ///< Of the roadmaps.
+  ViewLedgerOptions ledger{};  ///< When an element is given up.
+  Box3 region;                 ///< Where surface is to be reconstructed [m].
+  std::uint64_t seed = 1;      ///< Of the roadmaps.
 };
 
 /// Space and views as robots of one kind have them.
@@ -66,7 +66,7 @@ struct KindSpace {
 };
 
 /// Map, voxel states, incomplete surface, free space and roadmap for each kind of robot, and what
-/// was looked at in vain. Fed by images and scans at poses; everything follows the change with
+/// was viewed in vain. Fed by images and scans at poses; everything follows the change with
 /// `update`, at a cost by what has changed.
 class SurfaceBelief {
  public:
@@ -107,7 +107,7 @@ class SurfaceBelief {
         flyable_(map_, {.known_weight = options_.known_weight * options_.observed_share,
                         .occupied_below = 0.5 * options_.voxel_size}),
         incomplete_({.known_weight = options_.known_weight, .region = options_.region}),
-        ledger_(options_.looks) {
+        ledger_(options_.ledger) {
     require(!kinds.empty(), "kinds of robots: expected at least one");
     require(map_.voxel_size() == options_.voxel_size,
             "map: expected voxels of " + std::to_string(options_.voxel_size) + " m");
@@ -165,13 +165,13 @@ class SurfaceBelief {
   double voxel_size() const { return options_.voxel_size; }
   const TsdfMap& map() const { return map_; }
   const VoxelStateMap& known() const { return known_; }        ///< States at W_th.
-  const VoxelStateMap& observed() const { return observed_; }  ///< What to look through.
+  const VoxelStateMap& observed() const { return observed_; }  ///< For lines of sight.
   const IncompleteSurface& incomplete() const { return incomplete_; }
   const ViewLedger& ledger() const { return ledger_; }
   std::size_t kinds() const { return spaces_.size(); }
   const KindSpace& space(RobotKindId kind) const { return *spaces_[kind]; }
 
-  /// The elements still worth planning for, in voxel order; made when first asked for after a
+  /// The elements still to be planned for, in voxel order; made when first asked for after a
   /// change. Not for concurrent use.
   const std::vector<Goal>& goals() const {
     if (goals_stale_) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Tours of a team by gain per metre inserted.
+/// @brief Orienteering tours of a team, by gain per metre inserted.
 #pragma once
 
 #include <algorithm>
@@ -25,26 +25,25 @@
 namespace surfleet {
 /// What views from sites would show, as stops are taken one after the other.
 ///
-/// `look(s, enough, gain)` is no less than the gain of the best view from site s; if it is above
-/// `enough` it is that, and `gain` is by view [m²] wherever it is above, so what is clearly too
-/// little need not be looked at. It never grows, and looks from different sites may be taken at
-/// once. `most(s)` is no less than it was at first, and quickly told. `take(s, view)` says that
-/// what is seen there counts no more.
+/// `evaluate(s, enough, gain)` is no less than the gain of the best view from site s; if it is
+/// above `enough` it is that, and `gain` is by view [m²] wherever it is above, so what is clearly
+/// too little need not be examined. It never grows, and different sites may be evaluated at once.
+/// `most(s)` is no less than it was at first, and quickly told. `take(s, view)` says that what is
+/// seen there counts no more.
 template <typename V>
 concept ViewsFromSites = requires(V& views, std::size_t s, double enough, GainByView& gain,
                                   int view) {
   { views.most(s) } -> std::convertible_to<double>;
-  { views.look(s, enough, gain) } -> std::convertible_to<double>;
+  { views.evaluate(s, enough, gain) } -> std::convertible_to<double>;
   views.take(s, view);
 };
 
 struct TeamTourOptions {
   double stop_cost = 1.0;  ///< What a stop costs beside its detour; more than 0 [m].
   double turn_cost = 0.1;  ///< What turning costs; gimbals tilt meanwhile [m/rad].
-  /// Gain of the goal a robot is on its way to, and of what else it was told, over that of another.
+  /// Gain of a robot's current goal, and of what else it was told, over that of another.
   double keep = 1.3;
-  /// What a metre costs that a robot's tour is longer than the shortest of the team: others are
-  /// there sooner.
+  /// What a metre costs by which a robot's tour is longer than the shortest of the team.
   double balance = 0.3;
   /// Whether stops are exchanged between tours when all are inserted, see `ImproveAllocation`.
   bool exchange = false;
@@ -53,9 +52,9 @@ struct TeamTourOptions {
 /// Where a robot's tour begins.
 struct TourStart {
   Configuration from;
-  std::vector<double> distance;       ///< Its way to each site [m]; infinite where there is none.
+  std::vector<double> distance;       ///< To each site [m]; infinite where there is no path.
   int stops = 10;                     ///< At the most.
-  std::optional<std::size_t> goal{};  ///< The site it is on its way to.
+  std::optional<std::size_t> goal{};  ///< The site it is flying to.
   std::vector<std::size_t> told{};    ///< Other sites it was told to go to, ascending.
   /// Whether the order of the tour is asked for, or only what it leaves to the others.
   bool asked = true;
@@ -69,10 +68,10 @@ struct TeamTourStop {
 
 /// Stops for each robot in the order of the visit: those of the most gain per metre inserted, one
 /// after the other wherever in the team's tours they cost least, each tour then put in the shortest
-/// order. What pays best alone may be the end of a tour, and what lies on the way is not left to be
-/// come back for.
+/// order. What pays best alone may be the end of a tour, and what lies along a leg is visited when
+/// passed.
 ///
-/// Ways between stops are taken as straight. O(robots · stops · sites), and the views that `views`
+/// Legs between stops are taken as straight. O(robots · stops · sites), and the views that `views`
 /// has to take.
 template <ViewsFromSites Views>
 class TeamTours {
@@ -127,10 +126,10 @@ class TeamTours {
     }
     void insert(const TeamTourStop& stop, std::size_t leg, double stop_cost) {
       length += insertion[stop.site].extra + stop_cost;
-      const double way = distance(leg, stop.site);
+      const double to_stop = distance(leg, stop.site);
       const auto at = static_cast<std::ptrdiff_t>(leg);
       stops.insert(stops.begin() + at, stop);
-      legs.insert(legs.begin() + at, way);
+      legs.insert(legs.begin() + at, to_stop);
       if (leg + 1 < stops.size()) legs[leg + 1] = distance(leg + 1, stops[leg + 1].site);
       insertion.inserted(leg, legs, Distance{this});
     }
@@ -151,7 +150,7 @@ class TeamTours {
                                           : stop.rate > 0.0 && stop.site < other.stop.site;
     }
   };
-  /// A site that may be worth a stop.
+  /// A site that may become a stop.
   struct Candidate {
     double most_rate = 0.0;
     std::size_t site = 0;
@@ -187,18 +186,18 @@ class TeamTours {
         std::max(cost.metres - 2.0 * kPi * options_.turn_cost, 0.5 * keep * options_.stop_cost);
     return cost;
   }
-  /// Looks are taken where most may be gained for a metre, and as long as that may be the best,
-  /// first where they were best the last time. Some at a time, whatever the number of threads is,
-  /// so that all take the same.
+  /// Sites are evaluated where most may be gained for a metre, and as long as that may be the best,
+  /// first those that were best the last time. In batches of the same size for any number of
+  /// threads, so that the result is the same.
   std::optional<Insertion> best_insertion(std::vector<double>& most) {
     double shortest = std::numeric_limits<double>::infinity();
     for (const Tour& t : tours_)
       if (!t.full()) shortest = std::min(shortest, t.length);
     Insertion best;
     std::vector<Insertion> tried;
-    std::array<Candidate, kLooks> batch;
-    std::array<Insertion, kLooks> found;
-    const auto look = [&](std::size_t count) {
+    std::array<Candidate, kBatch> batch;
+    std::array<Insertion, kBatch> found;
+    const auto evaluate = [&](std::size_t count) {
       parallel_for(count, options_.threads, [&](std::size_t k) {
         found[k] = best_at(batch[k], kTie * best.stop.rate, shortest, most[batch[k].site]);
       });
@@ -210,7 +209,7 @@ class TeamTours {
     std::size_t count = 0;
     for (const std::size_t s : promising_)
       if (const auto c = candidate(s, shortest, most[s])) batch[count++] = *c;
-    look(count);
+    evaluate(count);
     const double floor = 0.5 * options_.stop_cost / std::max(options_.keep, 1.0);
     std::vector<Candidate> open;
     for (std::size_t s = 0; s < sites_.size(); ++s) {
@@ -221,19 +220,19 @@ class TeamTours {
     std::make_heap(open.begin(), open.end());
     for (;;) {
       for (count = 0;
-           count < kLooks && !open.empty() && open.front().most_rate > kTie * best.stop.rate;) {
+           count < kBatch && !open.empty() && open.front().most_rate > kTie * best.stop.rate;) {
         std::pop_heap(open.begin(), open.end());
         batch[count++] = open.back();
         open.pop_back();
       }
       if (count == 0) break;
-      look(count);
+      evaluate(count);
     }
     std::stable_sort(tried.begin(), tried.end(), [](const Insertion& a, const Insertion& b) {
       return a.stop.rate > b.stop.rate;
     });
     promising_.clear();
-    for (std::size_t k = 0; k < tried.size() && promising_.size() < kLooks; ++k)
+    for (std::size_t k = 0; k < tried.size() && promising_.size() < kBatch; ++k)
       if (tried[k].stop.site != best.stop.site) promising_.push_back(tried[k].stop.site);
     return best.stop.rate > 0.0 ? std::optional(best) : std::nullopt;
   }
@@ -248,7 +247,8 @@ class TeamTours {
   Insertion best_at(const Candidate& c, double best_rate, double shortest, double& most) const {
     Insertion best;
     GainByView gain;
-    most = std::min(most, static_cast<double>(views_->look(c.site, best_rate * c.cheapest, gain)));
+    most =
+        std::min(most, static_cast<double>(views_->evaluate(c.site, best_rate * c.cheapest, gain)));
     if (most <= best_rate * c.cheapest) return best;
     for (std::size_t t = 0; t < tours_.size(); ++t) {
       const InsertionCost cost = cost_of(tours_[t], c.site, shortest);
@@ -266,7 +266,7 @@ class TeamTours {
     }
     return best;
   }
-  /// A robot has so many stops at the most, and those that somebody is on its way to stay.
+  /// A robot has so many stops at the most, and those that a robot is flying to stay.
   struct Rooms {
     std::vector<std::size_t> most;  // by robot
     std::vector<char> stays;        // by stop
@@ -279,8 +279,8 @@ class TeamTours {
       return route.order.size() <= most[static_cast<std::size_t>(robot)];
     }
   };
-  /// Stops go over to robots that have a shorter way to them, to the advantage of all ways together
-  /// and, `balance` times, of the longest.
+  /// Stops go over to robots that are nearer, to the advantage of the total length and, `balance`
+  /// times, of the longest tour.
   void exchange() {
     const int robots = static_cast<int>(tours_.size());
     std::vector<TeamTourStop> all;
@@ -298,12 +298,12 @@ class TeamTours {
       }
     }
     const int stops = static_cast<int>(all.size());
-    MatrixRouting ways{robots, CostMatrix(robots + stops), CostMatrix(robots + stops)};
+    MatrixRouting routing{robots, CostMatrix(robots + stops), CostMatrix(robots + stops)};
     for (int j = 0; j < stops; ++j) {
       const TeamTourStop& to = all[static_cast<std::size_t>(j)];
       const double yaw = heading_angle(to.view % kHeadings);
-      const auto set = [&](int from, double way, double from_yaw) {
-        ways.length(from, robots + j) = way + turn(from_yaw, yaw) + options_.stop_cost;
+      const auto set = [&](int from, double distance, double from_yaw) {
+        routing.length(from, robots + j) = distance + turn(from_yaw, yaw) + options_.stop_cost;
       };
       for (int t = 0; t < robots; ++t) {
         const TourStart& start = *tours_[static_cast<std::size_t>(t)].start;
@@ -318,7 +318,7 @@ class TeamTours {
     const double mean_weight = robots / std::max(options_.balance, kLeastBalance);
     const ImproveAllocation<MakespanAndMean, InsertionValue<RouteShortness>, Rooms> improve{
         .objective = {.mean_weight = mean_weight}, .constraint = rooms};
-    plan = improve(ways, plan);
+    plan = improve(routing, plan);
     for (std::size_t t = 0; t < tours_.size(); ++t) {
       tours_[t].stops.clear();
       for (const int i : plan.routes[t])
@@ -338,7 +338,7 @@ class TeamTours {
     return ordered;
   }
 
-  static constexpr std::size_t kLooks = 8;       ///< Taken at a time.
+  static constexpr std::size_t kBatch = 8;       ///< Sites evaluated at a time.
   static constexpr double kLeastBalance = 1e-6;  ///< As good as none.
   /// Of the best rate, for another to be as good but for rounding; then the first site is taken.
   static constexpr double kTie = 1.0 - 1e-12;

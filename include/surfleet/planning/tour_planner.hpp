@@ -38,7 +38,7 @@ struct KeepAllocation {
   }
 };
 
-/// What a selection of viewpoints may look at.
+/// What a selection of viewpoints is given.
 struct ViewSelection {
   const ViewpointSet& views;                    ///< One for each element that has one.
   std::span<const IncompleteElement> elements;  ///< Their targets.
@@ -52,7 +52,7 @@ template <typename S>
 concept ViewSelector = requires(const S& select, const ViewSelection& selection) {
   { select(selection) } -> std::same_as<std::vector<Viewpoint>>;
 };
-/// Those at about the same place that look the same way become one [000 §2.4.2].
+/// Those at about the same place with about the same viewing direction become one [000 §2.4.2].
 struct MergeNearby {
   MergeOptions merge;  ///< ε and "almost parallel".
   std::vector<Viewpoint> operator()(const ViewSelection& s) const {
@@ -64,7 +64,7 @@ struct MergeNearby {
         SeesTargets{s.elements, &s.situation.belief.observed(), s.frustum, is_free});
   }
 };
-/// As few as reveal them all, each in fair view and from a side not looked at in vain.
+/// As few as reveal them all, each at a fair angle and from a side not viewed in vain.
 struct CoverGreedily {
   double max_incidence = 1.16;  ///< Greatest angle between n̄_v and the line of sight [rad].
   std::vector<Viewpoint> operator()(const ViewSelection& s) const {
@@ -105,14 +105,14 @@ struct TourPlannerOptions {
   /// Where a team has fewer clusters than this for each robot, they are made finer, as far as there
   /// are views: a single one cannot be shared. The published method has no such bound.
   std::size_t least_clusters = 0;
-  StopDistance cost;  ///< Of the way to each viewpoint; the published one is its length.
-  /// Whether robots that are on their way keep their route, and only those without get a new one
-  /// from the work nobody has; else every call plans for all.
+  StopDistance cost;  ///< Of the path to each viewpoint; the published one is its length.
+  /// Whether robots under way keep their route, and only those without get a new one from the work
+  /// that no robot has; else every call plans for all.
   bool asynchronous = false;
-  /// Whether work that a robot is on its way to is left to it, where plans are asynchronous.
+  /// Whether work that a robot is flying to is left to it, where plans are asynchronous.
   bool exclusive = true;
   /// Whether each robot's stops are put in order once more without regard to their clusters, for
-  /// the cheapest way through all of them.
+  /// the cheapest path through all of them.
   bool reorder_stops = false;
   ReplanRule replan{};
 };
@@ -120,7 +120,7 @@ struct TourPlannerOptions {
 /// Viewpoints at the incomplete surface, made fewer, clustered, valued by ray casting, allocated to
 /// the robots and put in order by maximum-utility open paths: with the default allocator TSGA, with
 /// the rule `NearestNeighbour` NNB. `Improve` is a second step over the whole plan, `Utility`
-/// weighs what a cluster is worth by `Gain` against the way to it and through it.
+/// weighs a cluster's `Gain` against the path to it and through it.
 template <typename Allocator = GreedyAllocator<>, typename Improve = KeepAllocation,
           ViewSelector Select = MergeNearby, UtilityPolicy Utility = ExponentialUtility,
           ClusterGain Gain = ElementsInSight>
@@ -191,7 +191,7 @@ class TourPlanner {
         select(ViewSelection{set, elements, frustum, situation, reach, revealed_});
     if (views.empty()) return result;
 
-    // Clusters and what they are worth.
+    // Clusters and their gains.
     const ViewAccess access(reach, views);
     std::vector<ViewpointCluster> clusters =
         share_out(access, views, situation.space().roadmap, serve.size());
@@ -304,7 +304,7 @@ using MakespanTours =
     TourPlanner<MakespanAllocator, ImproveAllocation<Objective, TourShortness<LinKernighan>>,
                 Select>;
 using MakespanPlanner = MakespanTours<Makespan, MergeNearby>;
-/// The same with few, broad views and an eye on the way of all: for what is left when most has been
-/// seen.
+/// The same with few, broad views and the team's total path in the objective: for what is left when
+/// most has been seen.
 using CoverPlanner = MakespanTours<MakespanAndMean, CoverGreedily>;
 }  // namespace surfleet

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Looks that make room: when nothing can be looked at for want of known space.
+/// @brief Frontier views for a planner that finds no viewpoint for want of known space.
 #pragma once
 
 #include <algorithm>
@@ -17,12 +17,12 @@
 
 namespace surfleet {
 struct FrontierViewsOptions {
-  double distance = 4.7;         ///< δ_pose: where elements would be looked at from [m].
+  double distance = 4.7;         ///< δ_pose: from which elements would be viewed [m].
   double spacing_share = 0.15;   ///< Lattice spacing over the camera's range.
   double stop_cost = 1.0;        ///< What a stop costs beside its flight [m].
-  int max_views = kViewsInVain;  ///< Looks at a piece of space before it is given up.
-  int least_cells = 10;          ///< Of two voxels each way, that a look must show.
-  /// Elements without a view that are worth it, over the most that were ever left to do at once.
+  int max_views = kViewsInVain;  ///< Of a cell before it is given up.
+  int least_cells = 10;          ///< Of two voxels along each axis, that a view must show.
+  /// Least number of elements without a view, over the most that were ever left at once.
   double least_share = 0.1;
 };
 
@@ -31,11 +31,11 @@ struct FrontierViewsOptions {
 /// Views are taken only from where the body is known to fit. Where a camera sees little above and
 /// below itself and the body is large, what is known can shrink to a pocket in which every robot
 /// stands before a surface that goes on, and not one view of it can be flown to. So when the
-/// planner finds nothing for robots that all wait, they are sent to look at unknown space: at that
-/// in and before the places from which the elements left would be in view, where nothing known
-/// stands in a body's way. A look is chosen by the space it shows over the metres it costs, and
-/// what stays unknown after some looks is left alone, so this ends. For the few elements in nooks
-/// that every mission leaves, nobody is sent.
+/// planner finds nothing for robots that all wait, they are sent to view unknown space: that in and
+/// before the places from which the elements left would be in view, where nothing known keeps a
+/// body out. A view is chosen by the space it shows over the metres it costs, and what stays
+/// unknown after `max_views` is given up, so this ends. For the few elements in nooks that every
+/// mission leaves, none is sent.
 template <FleetPlanner Planner>
 class WithFrontierViews {
  public:
@@ -52,32 +52,32 @@ class WithFrontierViews {
     if (waiting && result.nothing()) send(situation, result);
     return result;
   }
-  /// How many looks at space were ordered so far.
-  std::size_t looks() const { return count_; }
+  /// How many frontier views were ordered so far.
+  std::size_t views_ordered() const { return count_; }
 
  private:
   using Cell = SpaceCells::Cell;
 
   void send(const SurfaceSituation& situation, Plan& result) {
-    looks_.max_views = options.max_views;
+    frontier_views_.max_views = options.max_views;
     std::vector<FrontierViews::Wanted> wanted;
     for (const Cell& c : space_wanted(situation, result))
-      if (!looks_.given_up(c)) wanted.push_back({c});
+      if (!frontier_views_.given_up(c)) wanted.push_back({c});
     if (wanted.empty()) return;
     const double least = std::max(1, options.least_cells);
     const double range = situation.space().kind.camera.max_range;
     const FreeSpace& space = situation.space().free;
     FlightLattice<FreeSpace> lattice(space, space.options().bounds, options.spacing_share * range);
-    FrontierViews::Search search(looks_, lattice, situation.space().roadmap, std::move(wanted),
-                                 situation.belief.observed(), situation.space().headings,
-                                 kUsefulRange * range);
+    FrontierViews::Search search(frontier_views_, lattice, situation.space().roadmap,
+                                 std::move(wanted), situation.belief.observed(),
+                                 situation.space().headings, kUsefulRange * range);
     for (const RobotState& robot : situation.team) {
-      const auto look =
+      const auto view =
           search.best(space.free_start(robot.at.position), {.least = least},
                       [&](const auto& site) { return site.distance + options.stop_cost; });
-      if (!look) continue;
-      search.take(*look);
-      result.routes[robot.id] = Stops{{look->configuration, {}}};
+      if (!view) continue;
+      search.take(*view);
+      result.routes[robot.id] = Stops{{view->configuration, {}}};
       ++count_;
     }
   }
@@ -102,15 +102,15 @@ class WithFrontierViews {
         const Point3 pose = e.position + share * options.distance * towards;
         if (!situation.space().free.in_bounds(pose)) continue;
         if (!space.has_room(pose, body, add)) continue;
-        // The line of sight, and the straight way there if that is what lacks.
+        // The line of sight, and the straight line there if that is what lacks.
         for (double t = 0.0; t < share * options.distance; t += space.edge()) {
           const VoxelIndex c = space.at(e.position + t * towards);
           if (space.state(c) == VoxelState::unknown) add(key_of(c));
         }
         if (!unreachable.contains(key_of(e.voxel))) break;
-        const Eigen::Vector3d way = nearest_robot(situation, pose) - pose;
-        for (double t = body; t < way.norm(); t += body)
-          space.has_room(pose + way * (t / way.norm()), body, add);
+        const Eigen::Vector3d towards_pose = nearest_robot(situation, pose) - pose;
+        for (double t = body; t < towards_pose.norm(); t += body)
+          space.has_room(pose + towards_pose * (t / towards_pose.norm()), body, add);
         break;
       }
     }
@@ -146,7 +146,7 @@ class WithFrontierViews {
   static constexpr double kTurn =
       radians(5.0);  ///< Of a view's elevation, from one try to the next.
 
-  FrontierViews looks_;
+  FrontierViews frontier_views_;
   std::size_t count_ = 0, most_work_ = 0;
 };
 }  // namespace surfleet

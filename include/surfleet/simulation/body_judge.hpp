@@ -35,8 +35,9 @@ class BodyTrack {
   BodyTrack(const Distance& distance, double radius, double tolerance, double& least)
       : distance_(&distance), radius_(radius), tolerance_(tolerance), least_(&least) {}
 
-  /// Whether the body has touched the scene on the way here. It goes straight and turns evenly.
-  bool touches_on_way_to(const Configuration& q) {
+  /// Whether the body has touched the scene from the last configuration to this one. It goes
+  /// straight and turns evenly.
+  bool touches_until(const Configuration& q) {
     const double at = distance_->distance(q);
     *least_ = std::min(*least_, at);
     bool touched = at <= 0.0;
@@ -52,9 +53,9 @@ class BodyTrack {
   bool refine(const Configuration& a, const Configuration& b, double at_a, double at_b, int depth) {
     const double turn = wrap_angle(b.yaw - a.yaw);
     // No point of the body goes farther than this, and no distance changes by more.
-    const double way = (b.position - a.position).norm() + radius_ * std::abs(turn);
-    const double bound = 0.5 * (at_a + at_b - way);
-    if (bound >= std::max(*least_ - tolerance_, 0.0) || way < tolerance_ || depth >= 20)
+    const double travel = (b.position - a.position).norm() + radius_ * std::abs(turn);
+    const double bound = 0.5 * (at_a + at_b - travel);
+    if (bound >= std::max(*least_ - tolerance_, 0.0) || travel < tolerance_ || depth >= 20)
       return false;
     const Configuration m{0.5 * (a.position + b.position), a.yaw + 0.5 * turn};
     const double at_m = distance_->distance(m);
@@ -74,10 +75,10 @@ class BodyTrack {
 
 /// Puts the true shape's collisions with the scene and clearance of it in the place of the ball's
 /// in `report`; robots are still kept apart as balls. `paths[r]` are robot r's configurations, one
-/// after the other, to the end of its mission. Between two of them it goes straight and turns the
-/// shorter way, evenly. A touch counts once until the body is clear again; the least clearance
-/// holds to within `tolerance` along the whole way. `radius` is that of the ball that holds the
-/// body [m]. Throws `Error` on a radius or tolerance that is not positive.
+/// after the other, to the end of its mission. Between two of them it goes straight and turns by
+/// the smaller angle, evenly. A touch counts once until the body is clear again; the least
+/// clearance holds to within `tolerance` along the whole path. `radius` is that of the ball that
+/// holds the body [m]. Throws `Error` on a radius or tolerance that is not positive.
 template <BodyDistanceJudge Distance>
 void judge_bodies(const Distance& distance, std::span<const std::vector<Configuration>> paths,
                   double radius, JudgeReport& report, double tolerance = 1e-3) {
@@ -88,7 +89,7 @@ void judge_bodies(const Distance& distance, std::span<const std::vector<Configur
     detail::BodyTrack track(distance, radius, tolerance, report.min_clearance_m);
     bool was_touching = false;
     for (const Configuration& q : path) {
-      if (track.touches_on_way_to(q) && !was_touching) ++report.collisions_with_scene;
+      if (track.touches_until(q) && !was_touching) ++report.collisions_with_scene;
       was_touching = track.touching();
     }
   }

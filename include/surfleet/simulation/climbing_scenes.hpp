@@ -96,7 +96,8 @@ inline TriangleMesh holed_tube(const HoledTubeOptions& options = {}) {
 
 /// The mock-up: a tube Ø 0.8 × 1.9 m along x from the origin, a section Ø 1 × 0.5 m after it, a
 /// branch Ø 0.4 m that ends 0.6 m from the wall of the tube, upward from x = 0.95 m. Both ends and
-/// the branch are open, and so is the way from one to the other; edges are sharp. Normals outward.
+/// the branch are open, and so is the passage from one to the other; edges are sharp. Normals
+/// outward.
 inline TriangleMesh mock_up(double edge = 0.05) {
   require(edge >= 0.005 && edge <= 0.1, "mock-up: expected an edge of 0.005 to 0.1 m");
   constexpr double kRadius = 0.4, kBranch = 0.2, kAt = 0.95, kEnd = kRadius + 0.6;
@@ -146,8 +147,9 @@ inline TriangleMesh mock_up(double edge = 0.05) {
   const auto base = static_cast<std::int32_t>(body.vertices.size());
   for (int i = 1; i <= rows; ++i)
     for (const auto& [bearing, v] : rim) {
-      const Point3 foot = body.vertices[static_cast<std::size_t>(v)];
-      body.vertices.push_back({foot.x(), foot.y(), foot.z() + (kEnd - foot.z()) * i / rows});
+      const Point3 bottom = body.vertices[static_cast<std::size_t>(v)];
+      body.vertices.push_back(
+          {bottom.x(), bottom.y(), bottom.z() + (kEnd - bottom.z()) * i / rows});
     }
   const auto at = [&](int row, std::int32_t column) {
     const std::int32_t c = column % columns;

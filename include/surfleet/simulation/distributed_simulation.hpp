@@ -29,7 +29,7 @@
 
 namespace surfleet {
 /// Clock, bodies, network, events, records; every robot has a `DistributedAgent`. In a tick all
-/// hear, look and plan at once, then all move and speak; messages pass between ticks. The same
+/// hear, observe and plan at once, then all move and speak; messages pass between ticks. The same
 /// options, world and planners give the same result on any number of threads.
 template <WorldModel World>
 class DistributedSimulation {
@@ -92,7 +92,7 @@ class DistributedSimulation {
       std::vector<std::vector<Message<Packet>>> inbox(robots_.size());
       for (std::size_t r = 0; r < robots_.size(); ++r)
         inbox[r] = network_.receive(static_cast<RobotId>(r));
-      each([&](std::size_t r) { robots_[r]->look(time_, inbox[r]); });
+      each([&](std::size_t r) { robots_[r]->observe(time_, inbox[r]); });
       record_.result.images +=
           static_cast<std::size_t>(std::count(alive_.begin(), alive_.end(), true));
       watch();
@@ -160,13 +160,13 @@ class DistributedSimulation {
     catching_up_.observe(time_, held);
   }
   bool finished() const {
-    bool anybody = false;
+    bool any_alive = false;
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       if (!alive_[r]) continue;
-      anybody = true;
+      any_alive = true;
       if (!robots_[r]->finished()) return false;
     }
-    return anybody;
+    return any_alive;
   }
   bool report() {
     const SurfaceBelief& belief = first_left().belief();

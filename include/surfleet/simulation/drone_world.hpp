@@ -45,7 +45,7 @@ class DroneWorld {
     return options_.noise ? noisy_.capture(*caster_, T_world_camera, mates, random)
                           : exact_.capture(*caster_, T_world_camera, mates, random);
   }
-  /// Whether nothing of the scene is between; robots are not in the way.
+  /// Whether nothing of the scene is between; robots do not occlude.
   bool sees(const Point3& a, const Point3& b) const { return is_clear_segment(*caster_, a, b); }
 
  private:

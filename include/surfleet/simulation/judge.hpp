@@ -39,8 +39,8 @@ struct JudgeReport {
 ///
 /// Between two calls every robot moves in a straight line at constant speed. Clearance to the
 /// scene holds along the whole line: it is sampled as densely as needed to find the minimum to
-/// within `tolerance`, where distances change by at most the way flown. Separation is the exact
-/// minimum over the lines. An overlap counts once until the bodies have parted.
+/// within `tolerance`, where distances change by at most the distance flown. Separation is the
+/// exact minimum over the lines. An overlap counts once until the bodies have parted.
 template <DistanceJudge Distance>
 class Judge {
  public:
@@ -73,12 +73,12 @@ class Judge {
         if (!positions[j].allFinite()) continue;
         // The relative motion is a straight line too.
         const Eigen::Vector3d from = last_[i] - last_[j];
-        const Eigen::Vector3d way = (positions[i] - positions[j]) - from;
-        const double length2 = way.squaredNorm();
-        const double s = length2 > 0.0 ? std::clamp(-from.dot(way) / length2, 0.0, 1.0) : 0.0;
-        const double gap = (from + s * way).norm() - 2.0 * radius_;
+        const Eigen::Vector3d motion = (positions[i] - positions[j]) - from;
+        const double length2 = motion.squaredNorm();
+        const double s = length2 > 0.0 ? std::clamp(-from.dot(motion) / length2, 0.0, 1.0) : 0.0;
+        const double gap = (from + s * motion).norm() - 2.0 * radius_;
         report_.min_separation_m = std::min(report_.min_separation_m, gap);
-        const double end_gap = (from + way).norm() - 2.0 * radius_;
+        const double end_gap = (from + motion).norm() - 2.0 * radius_;
         count(gap < 0.0, end_gap < 0.0, in_pair_, i * n + j, report_.collisions_of_robots);
       }
     }
@@ -89,9 +89,9 @@ class Judge {
   const JudgeReport& report() const { return report_; }
 
  private:
-  static void count(bool on_the_way, bool at_end, std::vector<bool>& state, std::size_t at,
+  static void count(bool between, bool at_end, std::vector<bool>& state, std::size_t at,
                     int& events) {
-    if (on_the_way && !state[at]) ++events;
+    if (between && !state[at]) ++events;
     state[at] = at_end;
   }
 

@@ -37,7 +37,7 @@ class LidarWorld {
     return lidar_.sense(*caster_, fleet[robot].pose() * Eigen::Translation3d(options_.place), mates,
                         Random(options_.seed).fork(robot).fork(shot));
   }
-  /// Whether nothing of the scene is between; robots are not in the way.
+  /// Whether nothing of the scene is between; robots do not occlude.
   bool sees(const Point3& a, const Point3& b) const { return is_clear_segment(*caster_, a, b); }
 
  private:

@@ -39,7 +39,7 @@ struct MarkerSightOptions {
   double period = 0.25;        ///< Between images [s].
   std::uint64_t seed = 1;
 
-  /// The mount of a camera at the body's centre that looks level, `yaw` to the left of ahead.
+  /// The mount of a level camera at the body's centre, `yaw` to the left of ahead.
   static Pose camera_facing(double yaw) {
     Pose T = Pose::Identity();
     T.linear().col(0) = Eigen::Vector3d(std::sin(yaw), -std::cos(yaw), 0.0);
@@ -107,7 +107,7 @@ class MarkerSight {
               [](const Observation& a, const Observation& b) { return a.pixel.x() < b.pixel.x(); });
     return all;
   }
-  /// What is known already takes its lights first; what is left may be somebody new.
+  /// What is known already takes its lights first; what is left may be a new robot.
   void track(std::vector<Tracker>& known, std::vector<Observation> left, double time,
              const Pose& T_world_camera, std::vector<SeenRobot>& seen) const {
     const auto take = [&](const TrackedFrame& frame) {

@@ -113,7 +113,7 @@ struct MissionResult {
   /// What its planner expected of going on, for every robot the beginning of its tour that pays
   /// best; nothing if it found nothing more to do.
   std::optional<Outlook> left_out;
-  double left_area = 0.0;                     ///< Of elements still worth planning for [m²].
+  double left_area = 0.0;                     ///< Of elements still to be planned for [m²].
   std::size_t remaining = 0;                  ///< Incomplete elements at the end.
   CoverageEstimate coverage;                  ///< By its own account, at the end.
   std::map<LeftReason, std::size_t> reasons;  ///< Of all that remain.

@@ -66,8 +66,7 @@ class MissionRecord {
     add_robot(robot.agent(), robot.agent().stop_reason().value_or(over ? StopReason::complete
                                                                        : StopReason::ended));
   }
-  /// The end, as `belief` has it; `impossible` are the elements that its last plan had no way to
-  /// see.
+  /// The end, as `belief` has it; `impossible` are the elements that its last plan had no view of.
   void close(double time, const SurfaceBelief& belief,
              std::span<const std::pair<VoxelIndex, LeftReason>> impossible) {
     result.coverage = belief.estimate_coverage();

@@ -77,15 +77,15 @@ inline void add_flues(TriangleMesh& mesh) {
                                       Point2(1.2, 14.3), Point2(1.4, 14.5), Point2(1.4, 15),
                                       Point2(1.0, 15),   Point2(1.0, 13.4)};
   for (int i = 0; i < 5; ++i) {
-    const Point3 foot(-27.0 + 6.5 * i, 18.4, 0);
-    append(mesh, make_lathe(foot, profile, 56));
-    append(mesh, platform(foot, 1.0, 1.95, 10.2));
+    const Point3 base(-27.0 + 6.5 * i, 18.4, 0);
+    append(mesh, make_lathe(base, profile, 56));
+    append(mesh, platform(base, 1.0, 1.95, 10.2));
     for (int k = 0; k < 8; ++k) {  // railing
       const double a = 2 * kPi * k / 8;
-      const Point3 p = foot + Point3(1.8 * std::cos(a), 1.8 * std::sin(a), 10.4);
+      const Point3 p = base + Point3(1.8 * std::cos(a), 1.8 * std::sin(a), 10.4);
       append(mesh, make_cylinder(p, p + Point3(0, 0, 1.0), 0.15, 10));
     }
-    append(mesh, make_torus(foot + Point3(0, 0, 11.4), 1.8, 0.15, 40, 10));
+    append(mesh, make_torus(base + Point3(0, 0, 11.4), 1.8, 0.15, 40, 10));
   }
   const std::array<Point3, 3> duct{Point3(3, 11.8, 6), Point3(3, 18.4, 6), Point3(-27, 18.4, 6)};
   append(mesh, make_tube(duct, 0.75, 32));

@@ -41,7 +41,7 @@ struct RandomSceneSpec {
   std::string_view kind;
   MissionPreset preset{};
 
-  /// Free space around a start after which a camera that opens 60° upright has seen the way from
+  /// Free space around a start after which a camera that opens 60° upright has seen the exit from
   /// there: where the image is as high as what the body needs, and what voxels blur.
   double start_clearance() const {
     return (preset.radius + preset.margin + preset.voxel) / std::sin(radians(30.0)) +

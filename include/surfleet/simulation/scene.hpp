@@ -184,10 +184,10 @@ struct SceneOptions {
   double region_margin = 0.6;      ///< Of the region around the structure [m].
   double radius = 1.0;             ///< Of a robot's body [m].
   double margin = 0.3;             ///< Free distance beyond it at the start [m].
-  /// What the station should have of the structure around it, whatever the ground [m]. A place is
-  /// looked for that has; if there is none, the one with the most is taken.
+  /// What the station should have of the structure around it, whatever the ground [m]. A place that
+  /// has is sought; if there is none, the one with the most is taken.
   double start_clearance = 0.0;
-  /// Height that no robot's body comes below; −∞: no such. If not given, the structure's foot,
+  /// Height that no robot's body comes below; −∞: no such. If not given, the structure's base,
   /// where no ground and no bounds are given and the station is above it and in no room.
   std::optional<double> floor{};
   KeepOut keep_out{};  ///< Closed to robots.
@@ -320,9 +320,9 @@ inline Scene scene_from_mesh(TriangleMesh mesh, const SceneOptions& options = {}
                                   scene.ground_z));
   }
   const SceneSpace space(scene.mesh);
-  const double foot = structure.min().z(), depth = options.depth.value_or(options.radius);
+  const double base = structure.min().z(), depth = options.depth.value_or(options.radius);
   const Box3 whole = scene.bounds;
-  const bool floor_at_foot = !options.floor && !scene.has_ground && !options.bounds;
+  const bool floor_at_base = !options.floor && !scene.has_ground && !options.bounds;
   if (options.start) {
     const Point3& p = *options.start;
     require(p.allFinite() && scene.bounds.contains(p),
@@ -340,9 +340,9 @@ inline Scene scene_from_mesh(TriangleMesh mesh, const SceneOptions& options = {}
     scene.station.position = p;
   } else {
     // A station is found above the floor that there will be.
-    if (floor_at_foot || options.floor)
+    if (floor_at_base || options.floor)
       scene.bounds.min().z() =
-          std::max(scene.bounds.min().z(), options.floor.value_or(foot) + depth);
+          std::max(scene.bounds.min().z(), options.floor.value_or(base) + depth);
     const auto found =
         scene.bounds.isEmpty()
             ? std::nullopt
@@ -356,8 +356,8 @@ inline Scene scene_from_mesh(TriangleMesh mesh, const SceneOptions& options = {}
   if (options.floor) {
     set_floor(scene, *options.floor, depth);
   } else if (const Point3& p = scene.station.position;
-             floor_at_foot && p.z() > foot && !space.is_room(p)) {
-    set_floor(scene, std::min(foot, p.z() - depth), depth);
+             floor_at_base && p.z() > base && !space.is_room(p)) {
+    set_floor(scene, std::min(base, p.z() - depth), depth);
   }
   const Eigen::Vector3d ahead = scene.region.center() - scene.station.position;
   if (ahead.head<2>().norm() > 1e-9) scene.station.yaw = std::atan2(ahead.y(), ahead.x());

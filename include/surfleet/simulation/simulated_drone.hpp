@@ -44,17 +44,17 @@ class SimulatedDrone {
   const Configuration& estimate() const { return (*fleet_)[robot_]; }
   const std::vector<SeenRobot>& neighbours() const { return neighbours_; }
   void follow(std::span<const Point3> path, double yaw, std::optional<double> watch) {
-    AerialMotion::YawLaw look;
+    AerialMotion::YawLaw yaw_law;
     if (watch) {
       watch_yaw_ = *watch;
-      look = [this](const Point3&, const Eigen::Vector3d&) { return watch_yaw_; };
+      yaw_law = [this](const Point3&, const Eigen::Vector3d&) { return watch_yaw_; };
     }
-    motion_.follow(path, yaw, std::move(look));
+    motion_.follow(path, yaw, std::move(yaw_law));
   }
   void watch(double yaw) { watch_yaw_ = yaw; }
   void tilt(double pitch) { goal_pitch_ = pitch; }
-  std::vector<Point3> way_onto(std::span<const Point3> path) const {
-    return motion_.way_onto(path);
+  std::vector<Point3> path_onto(std::span<const Point3> path) const {
+    return motion_.path_onto(path);
   }
   void stop() { motion_.stop(); }
   void resume() { motion_.resume(); }

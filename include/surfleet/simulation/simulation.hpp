@@ -35,7 +35,7 @@ namespace surfleet {
 /// A fleet with one map and one planner: the centralised architecture; with one robot, the single
 /// one.
 ///
-/// In every step of the clock the robots look, and the belief follows the change; then stops are
+/// In every step of the clock the robots observe, and the belief follows the change; then stops are
 /// checked off, obstacles are watched, robots without a route are planned for, all tell what they
 /// are about, and all move at once. The same options, world and planner give the same result on any
 /// number of threads.
@@ -89,7 +89,7 @@ class Simulation {
     record_.add(time_, fleet_);
     double next_report = 0.0;
     while (time_ < options_.max_time) {
-      look();
+      observe();
       for (const auto& agent : agents_) agent->check_stop();
       planning_(agents_, belief_, time_);
       if (planning_.finished(agents_, belief_) && over()) break;
@@ -129,7 +129,7 @@ class Simulation {
     return o;
   }
 
-  /// With nothing left to do, or nobody to do it: true once all are where they are to end.
+  /// With nothing left to do, or no robot to do it: true once all are where they are to end.
   bool over() {
     ended_ = true;
     const auto& left_out = planning_.requests.left_out();
@@ -145,7 +145,7 @@ class Simulation {
         record_.result.complete = false;
     return ended_;
   }
-  void look() {
+  void observe() {
     parallel_for(agents_.size(), options_.threads, [&](std::size_t r) { agents_[r]->sense(); });
     for (const auto& agent : agents_) agent->integrate();
     record_.result.images += agents_.size();

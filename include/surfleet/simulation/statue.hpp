@@ -53,8 +53,8 @@ inline void add_pedestal(TriangleMesh& mesh) {
   for (int side = 0; side < 4; ++side) {
     const Eigen::AngleAxisd turn(0.5 * kPi * side, Eigen::Vector3d::UnitZ());
     for (const double x : {-3.6, -1.2, 1.2, 3.6}) {
-      const Point3 foot = turn * Point3(x, -5.25, 14.0), head = turn * Point3(x, -5.25, 20.5);
-      append(mesh, make_cylinder(foot, head, 0.42, 20));
+      const Point3 base = turn * Point3(x, -5.25, 14.0), head = turn * Point3(x, -5.25, 20.5);
+      append(mesh, make_cylinder(base, head, 0.42, 20));
     }
     for (const double x : {-4.6, 4.6})
       append(mesh, make_beam(turn * Point3(x, -6.0, 5.3), turn * Point3(x, -5.5, 12.8), 1.0, 0.9));
@@ -102,7 +102,7 @@ inline void add_body(TriangleMesh& mesh) {
   append(mesh, make_loft(rings, {0, 0, kFoot}, {0, 0, kFoot + kHeight}));
 }
 
-/// The head, with brow, eyes, nose, mouth, chin and waved hair; it looks to −y.
+/// The head, with brow, eyes, nose, mouth, chin and waved hair; it faces −y.
 inline void add_head(TriangleMesh& mesh) {
   const Point3 centre(0, -0.1, 46.35);
   TriangleMesh head = make_sphere({0, 0, 0}, 1.0, 5);
@@ -134,8 +134,8 @@ inline void add_head(TriangleMesh& mesh) {
   for (int i = -3; i <= 3; ++i) {
     const double a = radians(26.0 * i);
     const Point3 d(std::sin(a), -0.45 - 0.15 * std::cos(a), std::cos(a));
-    const Point3 foot = Point3(0, -0.3, 47.3) + 1.4 * d.normalized();
-    append(mesh, make_cone(foot, foot + 2.5 * d.normalized(), 0.30, 0.05, 16));
+    const Point3 base = Point3(0, -0.3, 47.3) + 1.4 * d.normalized();
+    append(mesh, make_cone(base, base + 2.5 * d.normalized(), 0.30, 0.05, 16));
   }
 }
 

@@ -13,7 +13,8 @@
 #include <surfleet/core/types.hpp>
 
 namespace surfleet {
-/// `T_world_camera` of a camera at `eye` that looks at `at`, turned about its axis by `roll` [rad].
+/// `T_world_camera` of a camera at `eye` whose optical axis passes through `at`, turned about it by
+/// `roll` [rad].
 inline Pose look_at(const Point3& eye, const Point3& at, double roll = 0.0) {
   const Eigen::Vector3d z = (at - eye).normalized();
   Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ());
@@ -33,8 +34,8 @@ struct CameraMotionOptions {
   double nearest = 0.68, farthest = 1.74;  ///< From the target's middle [m].
   double tilt = radians(40.0);             ///< Off the vertical, at most [rad].
   double period = 9.0;                     ///< Of the slowest part of the motion [s].
-  double aim = 0.10;                       ///< The camera looks past the middle by up to this [m].
-  Point3 middle{0.0, 0.0, 0.135};          ///< Of the markers [m].
+  double aim = 0.10;               ///< The optical axis passes the middle by up to this [m].
+  Point3 middle{0.0, 0.0, 0.135};  ///< Of the markers [m].
 };
 /// As printed: held by hand, and on a quadrotor up to 3 m above ground.
 inline CameraMotionOptions handheld_motion() { return {}; }
@@ -59,7 +60,7 @@ class CameraMotion {
                             0.5 * (options_.farthest - options_.nearest) * wave(0);
     const double tilt = options_.tilt * wave(1), around = rate_[2] * t + phase_[2];
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-    // Turned about the vertical, tilted about an axis of the ground, then looking straight down: so
+    // Turned about the vertical, tilted about an axis of the ground, then straight down: so
     // that passing over the top is smooth.
     const Eigen::Vector3d axis(-std::sin(around), std::cos(around), 0.0);
     const Eigen::Matrix3d lean =
@@ -81,20 +82,21 @@ class CameraMotion {
   std::array<double, 6> phase_{}, rate_{};
 };
 
-/// Back and forth over a rectangle, lane by lane, and home again: where a robot is after `way`
-/// metres.
-inline Point2 sweep_place(double width, double height, int lanes, double way) {
+/// Back and forth over a rectangle, lane by lane, and home again: where a robot is after `distance`
+/// [m].
+inline Point2 sweep_place(double width, double height, int lanes, double distance) {
   const double step = lanes > 1 ? height / (lanes - 1) : 0.0;
   const double length = lanes * width + (lanes - 1) * step;
-  way = std::fmod(way, 2.0 * length);
-  if (way > length) way = 2.0 * length - way;
+  distance = std::fmod(distance, 2.0 * length);
+  if (distance > length) distance = 2.0 * length - distance;
   for (int lane = 0; lane < lanes; ++lane) {
     const bool forth = lane % 2 == 0;
-    if (way <= width)
-      return {(forth ? way : width - way) - 0.5 * width, lane * step - 0.5 * height};
-    way -= width;
-    if (way <= step) return {(forth ? 0.5 : -0.5) * width, lane * step + way - 0.5 * height};
-    way -= step;
+    if (distance <= width)
+      return {(forth ? distance : width - distance) - 0.5 * width, lane * step - 0.5 * height};
+    distance -= width;
+    if (distance <= step)
+      return {(forth ? 0.5 : -0.5) * width, lane * step + distance - 0.5 * height};
+    distance -= step;
   }
   return {lanes % 2 == 1 ? 0.5 * width : -0.5 * width, 0.5 * height};
 }

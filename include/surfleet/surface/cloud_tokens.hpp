@@ -86,7 +86,7 @@ inline CloudTokens cloud_tokens(std::span<const Point3> points,
                            crease.distance <= options.edge_width * options.scale;
       result.edge.push_back(at_edge ? 1 : 0);
       if (crease.share > options.edge_threshold && crease.distance <= options.scale)
-        result.edge_points.push_back({crease.foot, crease.tangent});
+        result.edge_points.push_back({crease.nearest, crease.tangent});
       // Beside a crease its own sheet is not what all neighbours together make.
       if (crease.share <= options.edge_threshold / 2.0) continue;
       kept[k].normal = crease.normal;

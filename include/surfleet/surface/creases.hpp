@@ -24,7 +24,7 @@ struct Crease {
   double share = 0.0;   ///< (λ₂ − λ₃) / λ₁ of the normals' tensor: how far the given
                         ///< ones, which turn over a neighbourhood, are spread.
   double distance = std::numeric_limits<double>::infinity();  ///< To the crease [m].
-  Point3 foot = Point3::Zero();  ///< The nearest place on the crease, where there is one [m].
+  Point3 nearest = Point3::Zero();  ///< The nearest place on the crease, where there is one [m].
 };
 
 /// Normals first agree with those of alike neighbours alone (a bilateral filter), which makes them
@@ -91,7 +91,7 @@ struct CreaseFinder {
             to += e * (e.dot(planes) / l[axis]);
           }
           crease.distance = to.norm();
-          crease.foot = points[i] + to;
+          crease.nearest = points[i] + to;
         },
         64);
     return found;

@@ -11,23 +11,23 @@
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/surface/follow_field.hpp>
+#include <surfleet/surface/strip_path.hpp>
 #include <surfleet/surface/surface_vehicles.hpp>
 #include <surfleet/surface/surface_walk.hpp>
-#include <surfleet/surface/taut_strip.hpp>
 #include <surfleet/surface/tracking_control.hpp>
 
 namespace surfleet {
-/// The way points of a surface path at most `spacing` [m] apart, with the normals of its triangles,
+/// The waypoints of a surface path at most `spacing` [m] apart, with the normals of its triangles,
 /// meaned where it goes from one to the next.
-inline std::vector<OrientedPoint> way_points(const TriangleMesh& mesh, const SurfacePath& path,
-                                             double spacing) {
-  std::vector<OrientedPoint> way;
+inline std::vector<OrientedPoint> oriented_waypoints(const TriangleMesh& mesh,
+                                                     const SurfacePath& path, double spacing) {
+  std::vector<OrientedPoint> waypoints;
   Eigen::Vector3d last = Eigen::Vector3d::Zero();
   double side = 1.0;
   for (std::size_t i = 0; i < path.triangles.size(); ++i) {
     const auto t = static_cast<std::size_t>(path.triangles[i]);
     Eigen::Vector3d n = mesh.area_vector(t).normalized();
-    if (i > 0) {  // triangles may be said either way round
+    if (i > 0) {  // triangles may have either orientation
       const auto sides = shared_side(
           mesh.triangles[static_cast<std::size_t>(path.triangles[i - 1])], mesh.triangles[t]);
       const auto k = static_cast<std::size_t>(sides->first),
@@ -37,14 +37,14 @@ inline std::vector<OrientedPoint> way_points(const TriangleMesh& mesh, const Sur
         side = -side;
     }
     n *= side;
-    way.push_back({path.points[i], i > 0 ? Eigen::Vector3d((last + n).normalized()) : n});
+    waypoints.push_back({path.points[i], i > 0 ? Eigen::Vector3d((last + n).normalized()) : n});
     const Eigen::Vector3d piece = path.points[i + 1] - path.points[i];
     const auto parts = static_cast<int>(std::ceil(piece.norm() / spacing));
-    for (int p = 1; p < parts; ++p) way.push_back({path.points[i] + piece * p / parts, n});
+    for (int p = 1; p < parts; ++p) waypoints.push_back({path.points[i] + piece * p / parts, n});
     last = n;
   }
-  way.push_back({path.points.back(), last});
-  return way;
+  waypoints.push_back({path.points.back(), last});
+  return waypoints;
 }
 
 struct TrackOptions {
@@ -72,7 +72,7 @@ template <SurfaceVehicle Vehicle>
 TrackedDrive track_path(const SurfaceWalk& walk, const SurfacePath& path, Vehicle vehicle,
                         const SurfacePose& start, const TrackOptions& options = {}) {
   require(options.speed > 0.0 && options.dt > 0.0, "tracking: expected a positive speed and step");
-  const UnwrappedPath plane(way_points(walk.mesh(), path, 0.5 * options.spacing));
+  const UnwrappedPath plane(oriented_waypoints(walk.mesh(), path, 0.5 * options.spacing));
   const SplineReference reference(plane.points(), options.spacing);
   Random random(options.seed);
   TrackedDrive drive;
@@ -133,10 +133,11 @@ FieldDrive drive_field(const SurfaceWalk& walk, const StripField<Policy>& field,
     }
     const Eigen::Vector3d u = field(*at, tip.at.weights);
     if (!(u.norm() > 0.0)) break;
-    const Eigen::Vector3d way =
+    const Eigen::Vector3d velocity =
         std::min(speed, (tip.at.position(walk.mesh()) - goal).norm() / dt) * u.normalized();
     const Point3 before = pose.at.position(walk.mesh());
-    vehicle.drive(walk, pose, linearized({way.dot(tip.forward), way.dot(tip.left())}, ahead), dt);
+    vehicle.drive(walk, pose,
+                  linearized({velocity.dot(tip.forward), velocity.dot(tip.left())}, ahead), dt);
     drive.length += (pose.at.position(walk.mesh()) - before).norm();
     drive.poses.push_back(pose);
   }

@@ -153,7 +153,7 @@ class FeatureMaps {
 
   /// A cell is an edge where an edge point lies within the inflation, at least √6 voxels: so no
   /// step of two cells, up to 2 √3 voxels long, leaps over an edge of 90°. Its tangent is the mean
-  /// of those of all edge points so near, which may be said either way round.
+  /// of those of all edge points so near, which may be of either sign.
   void mark_edges(const CloudTokens& cloud, const FeatureMapOptions& options) {
     std::vector<Point3> at;
     std::vector<Eigen::Vector3d> along;

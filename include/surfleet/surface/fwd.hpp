@@ -50,7 +50,7 @@ struct SurfacePoint;
 struct SurfacePose;
 struct SurfaceStep;
 class SurfaceWalk;
-class TautStrips;
+class StripShortener;
 struct Token;
 class TokenSheet;
 struct TrackedDrive;

@@ -22,14 +22,14 @@
 #include <surfleet/geometry/mesh_adjacency.hpp>
 #include <surfleet/geometry/predicates.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
+#include <surfleet/surface/strip_path.hpp>
 #include <surfleet/surface/surface_point.hpp>
 #include <surfleet/surface/surface_walk.hpp>
-#include <surfleet/surface/taut_strip.hpp>
 #include <surfleet/surface/triangle_strip.hpp>
 
 namespace surfleet {
-/// Finds the triangles under a `FaceGeodesic` path and pulls it taut: locally shortest, and within
-/// a small share of the shortest of all.
+/// Finds the triangles under a `FaceGeodesic` path and shortens it by string pulling: locally
+/// shortest, and within a small share of the shortest of all.
 class GeodesicStrips {
  public:
   /// The walk must outlive it. O(n log n).
@@ -38,15 +38,15 @@ class GeodesicStrips {
         faces_(distance.faces),
         graph_(distance(walk.mesh())),
         adjacency_(walk.mesh()),
-        taut_(walk) {}
+        shortener_(walk) {}
 
-  const TautStrips& taut() const { return taut_; }
+  const StripShortener& shortener() const { return shortener_; }
 
   /// Nothing where no such path leads from one to the other over edges of two triangles.
   std::optional<SurfacePath> operator()(const SurfacePoint& start, const SurfacePoint& goal) const {
     const auto strip = triangles(start, goal);
     if (!strip) return std::nullopt;
-    return taut_.shortened(*strip, start, goal);
+    return shortener_.shortened(*strip, start, goal);
   }
 
   /// The triangles under the shortest path of the graph, start and goal joined to the corners of
@@ -96,7 +96,7 @@ class GeodesicStrips {
   }
 
   /// Appends the triangles about `vertex` that lead from the strip's last to `to`, on the side
-  /// where the angle is less. False where no way leads there.
+  /// where the angle is less. False where no fan leads there.
   bool join(std::vector<std::int32_t>& strip, std::int32_t vertex, std::int32_t to) const {
     if (strip.back() == to) return true;
     const TriangleMesh& mesh = walk_->mesh();
@@ -117,8 +117,8 @@ class GeodesicStrips {
           break;
         }
         const int corner = corner_of(in / 3, vertex);
-        angle += TautStrips::corner_angle(mesh, static_cast<std::size_t>(in / 3),
-                                          static_cast<std::size_t>(corner));
+        angle += StripShortener::corner_angle(mesh, static_cast<std::size_t>(in / 3),
+                                              static_cast<std::size_t>(corner));
         over = in % 3 == corner ? 3 * (in / 3) + (corner + 2) % 3 : 3 * (in / 3) + corner;
       }
     }
@@ -141,50 +141,50 @@ class GeodesicStrips {
       }
       const Eigen::Vector3d a = at(v1) - at(u), b = at(v2) - at(u);
       const double la = a.norm(), x = a.dot(b) / la, y = a.cross(b).norm() / la;
-      std::vector<std::int32_t> way{t};
+      std::vector<std::int32_t> strip{t};
       const Point2 right(la, 0.0), left(x, y);
-      through(3 * t + (k + 1) % 3, {v1, right}, {v2, left}, right, left, w, way, found);
+      through(3 * t + (k + 1) % 3, {v1, right}, {v2, left}, right, left, w, strip, found);
     }
-    return found.way;
+    return found.strip;
   }
   struct Found {
     double length;
-    std::vector<std::int32_t> way;
+    std::vector<std::int32_t> strip;
   };
-  /// An end of an edge that is looked over.
+  /// An end of an edge that is crossed.
   struct End {
     std::int32_t vertex;
     Point2 at;
   };
-  /// Looks from the origin over half-edge `h`, whose ends `a` and `b` lie anticlockwise, within the
-  /// cone from `right` to `left`.
+  /// Unfolds from the origin over half-edge `h`, whose ends `a` and `b` lie anticlockwise, within
+  /// the cone from `right` to `left`.
   void through(std::int32_t h, const End& a, const End& b, const Point2& right, const Point2& left,
-               std::int32_t w, std::vector<std::int32_t>& way, Found& found) const {
+               std::int32_t w, std::vector<std::int32_t>& strip, Found& found) const {
     const std::int32_t in = walk_->twin(h);
-    if (in < 0 || static_cast<int>(way.size()) > faces_) return;
+    if (in < 0 || static_cast<int>(strip.size()) > faces_) return;
     const HalfEdges& half = walk_->half_edges();
     const bool same = half.from(in) == a.vertex;
     const auto t = static_cast<std::size_t>(in / 3), k = static_cast<std::size_t>(in % 3);
     // Beyond the edge, the origin being on the left of ab.
     const End c{half.opposite(in), same ? unfolded_apex(walk_->mesh(), t, k, a.at, b.at, false)
                                         : unfolded_apex(walk_->mesh(), t, k, b.at, a.at, true)};
-    way.push_back(in / 3);
+    strip.push_back(in / 3);
     const bool past_right = cross2(right, c.at) > 0.0, past_left = cross2(c.at, left) > 0.0;
     if (c.vertex == w && past_right && past_left && c.at.norm() < found.length)
-      found = {c.at.norm(), way};
+      found = {c.at.norm(), strip};
     const std::int32_t first = 3 * (in / 3);
     const std::int32_t after = first + (in % 3 + 1) % 3, before = first + (in % 3 + 2) % 3;
     if (past_right)
-      through(same ? before : after, a, c, right, past_left ? c.at : left, w, way, found);
+      through(same ? before : after, a, c, right, past_left ? c.at : left, w, strip, found);
     if (past_left)
-      through(same ? after : before, c, b, past_right ? c.at : right, left, w, way, found);
-    way.pop_back();
+      through(same ? after : before, c, b, past_right ? c.at : right, left, w, strip, found);
+    strip.pop_back();
   }
 
   const SurfaceWalk* walk_;
   int faces_;
   Graph graph_;
   MeshAdjacency adjacency_;
-  TautStrips taut_;
+  StripShortener shortener_;
 };
 }  // namespace surfleet

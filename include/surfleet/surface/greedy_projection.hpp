@@ -32,7 +32,7 @@ struct GreedyProjectionOptions {
 };
 
 namespace detail {
-/// The front of a mesh that grows: each open side looks for the point that it sees under the widest
+/// The front of a mesh that grows: each open side takes the point that it sees under the widest
 /// angle in the plane of its normals, and that no side already there hides.
 class GrowingMesh {
  public:
@@ -142,11 +142,11 @@ class GrowingMesh {
     return false;
   }
   bool holds_a_point(const Flat& a, const Flat& b, const Flat& c) const {
-    const int way = turn(a.at, b.at, c.at);
+    const int orientation = turn(a.at, b.at, c.at);
     for (const Flat& p : near_) {
       if (p.index == a.index || p.index == b.index || p.index == c.index) continue;
-      if (way * turn(a.at, b.at, p.at) >= 0 && way * turn(b.at, c.at, p.at) >= 0 &&
-          way * turn(c.at, a.at, p.at) >= 0)
+      if (orientation * turn(a.at, b.at, p.at) >= 0 && orientation * turn(b.at, c.at, p.at) >= 0 &&
+          orientation * turn(c.at, a.at, p.at) >= 0)
         return true;
     }
     return false;
@@ -208,7 +208,7 @@ class GrowingMesh {
           continue;
         const double longest =
             std::max({near[p].distance(), near[q].distance(), (point(j) - point(k)).norm()});
-        // The triangle (i, j, k) lies to the left of ij: flatten the other way.
+        // The triangle (i, j, k) lies to the left of ij: flatten by the other side.
         if (longest > reach_ || !flatten(j, i)) continue;
         const Flat *a = flat(j), *b = flat(i), *c = flat(k);
         if (c == nullptr || !(c->at.y() > 0.0)) continue;

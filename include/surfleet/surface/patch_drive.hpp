@@ -28,7 +28,7 @@ struct PatchDriveOptions {
 
 struct PatchDrive {
   std::vector<PatchPose> poses;  ///< At the ends of motions.
-  std::size_t patches = 0;       ///< Fitted on the way.
+  std::size_t patches = 0;       ///< Fitted in all.
   double length = 0.0;           ///< [m]
   double off_path = 0.0;         ///< Farthest from the waypoints' polyline [m].
   bool reached = false;
@@ -46,8 +46,8 @@ inline PatchDrive drive_over_patches(const PointCloud& cloud, const KdTree& tree
   require(options.fan >= 3 && options.fan % 2 == 1 && options.wheelbase > 0.0 &&
               options.most_steering > 0.0 && options.most_steering < 0.5 * kPi &&
               options.primitive > 0.0 && options.lookahead >= options.primitive,
-          "patch drive: expected an odd fan, a wheelbase, steering below 90 degrees and a look "
-          "ahead of a motion at least");
+          "patch drive: expected an odd fan, a wheelbase, steering below 90 degrees and a "
+          "lookahead of a motion at least");
   PatchDrive drive;
   double planned = 0.0;
   for (std::size_t i = 1; i < waypoints.size(); ++i)
@@ -76,9 +76,9 @@ inline PatchDrive drive_over_patches(const PointCloud& cloud, const KdTree& tree
       const double curvature = std::tan(share * options.most_steering) / options.wheelbase;
       const auto end = patch->drive(*at, curvature, options.primitive);
       if (!end) continue;
-      // Where the robot would look to from there, so that it turns in time.
-      const Point3 look = end->position + std::min(left, options.lookahead) * end->forward;
-      const double off = (end->position - target).norm() + 0.5 * (look - target).norm();
+      // The point ahead of it from there, so that it turns in time.
+      const Point3 aim = end->position + std::min(left, options.lookahead) * end->forward;
+      const double off = (end->position - target).norm() + 0.5 * (aim - target).norm();
       if (!best || off < nearest) {
         best = end;
         nearest = off;

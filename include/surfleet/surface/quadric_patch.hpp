@@ -103,7 +103,7 @@ struct QuadricOptions {
 /// is a graph over the tangent plane, as others have a second sheet for noise to hide behind. The
 /// patch grows by
 /// a fifth at a time while its residual stays under twice the noise. The side comes from the
-/// cloud's normals, which look to the sensor. Nothing where points are too few or fit no patch.
+/// cloud's normals, which face the sensor. Nothing where points are too few or fit no patch.
 /// Throws `Error` without normals. O(points in the patch).
 inline std::optional<QuadricPatch> fit_quadric(const PointCloud& cloud, const KdTree& tree,
                                                const Point3& at, const QuadricOptions& options = {},

@@ -78,7 +78,7 @@ struct ScanTriangulation {
       if (first < -half || first >= half) continue;
       const auto at = [&](std::size_t k) { return point[static_cast<std::size_t>(t[k])]; };
       if (at(0) == at(1) || at(1) == at(2) || at(2) == at(0)) continue;
-      // Azimuth runs to the left as the sensor looks, so what turns left here turns right there.
+      // Azimuth runs to the left as seen by the sensor, so what turns left here turns right there.
       whole.triangles.push_back({at(0), at(2), at(1)});
     }
     const double least_cosine = std::cos(greatest_incidence);

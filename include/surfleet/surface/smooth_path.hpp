@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief A dense planner's path moved onto the tokens' sheet and pulled taut, square to every edge
-/// it crosses.
+/// @brief A dense planner's path moved onto the tokens' sheet and shortened by string pulling,
+/// square to every edge it crosses.
 #pragma once
 
 #include <algorithm>
@@ -65,18 +65,18 @@ class TokenSheet {
   OrientedPoint operator()(const Point3& p, const Eigen::Vector3d& side) const {
     OrientedPoint result{p, side};
     for (int round = 0; round < 2; ++round) {
-      Eigen::Vector3d normal = Eigen::Vector3d::Zero(), foot = Eigen::Vector3d::Zero();
+      Eigen::Vector3d normal = Eigen::Vector3d::Zero(), sum = Eigen::Vector3d::Zero();
       double weight = 0.0;
       tree_.for_each_within(result.position, reach_, [&](const Neighbor& n) {
         const Token& t = cloud_.tokens[static_cast<std::size_t>(n.index)];
         const double inside = 1.0 - n.distance2 / (reach_ * reach_), w = inside * inside;
         normal += (t.normal.dot(result.normal) < 0.0 ? -w : w) * t.normal;
-        foot += w * t.position;
+        sum += w * t.position;
         weight += w;
       });
       if (!(weight > 0.0) || !(normal.norm() > 0.0)) return result;
       normal.normalize();
-      result.position -= normal.dot(result.position - foot / weight) * normal;
+      result.position -= normal.dot(result.position - sum / weight) * normal;
       result.normal = normal;
     }
     return result;
@@ -118,9 +118,10 @@ inline std::vector<EdgePoint> edges_in_run(const FeatureMaps& maps, const CloudT
   const auto level = [&](const Point3& p) -> Point3 {  // beside the middle
     return p + t * t.dot(middle.position - p);
   };
-  std::vector<Point3> way{level(before)};
-  for (std::size_t i = run.first; i <= run.last; ++i) way.push_back(level(maps[cells[i]].position));
-  way.push_back(level(after));
+  std::vector<Point3> points{level(before)};
+  for (std::size_t i = run.first; i <= run.last; ++i)
+    points.push_back(level(maps[cells[i]].position));
+  points.push_back(level(after));
   struct Group {
     Point3 sum;
     double count;
@@ -139,7 +140,7 @@ inline std::vector<EdgePoint> edges_in_run(const FeatureMaps& maps, const CloudT
         std::abs(t.dot(e.tangent)) < std::cos(radians(30.0)))
       continue;
     const Point3 at = level(e.position);
-    if (!std::any_of(way.begin(), way.end(),
+    if (!std::any_of(points.begin(), points.end(),
                      [&](const Point3& p) { return (p - at).norm() < marked; }))
       continue;
     const auto same =
@@ -154,7 +155,7 @@ inline std::vector<EdgePoint> edges_in_run(const FeatureMaps& maps, const CloudT
     }
   }
   if (groups.size() < 2) return {{nearest, t}};
-  const Eigen::Vector3d chord = way.back() - way.front();
+  const Eigen::Vector3d chord = points.back() - points.front();
   std::stable_sort(groups.begin(), groups.end(), [&](const Group& a, const Group& b) {
     return chord.dot(a.mean()) < chord.dot(b.mean());
   });

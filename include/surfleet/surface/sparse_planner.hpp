@@ -47,7 +47,7 @@ struct SparsePath {
 /// over gaps nor cuts through what it is to climb over.
 ///
 /// The cloud must have normals and outlive it. The same seed gives the same tree. O(s log s + edges
-/// looked at) for s samples.
+/// tested) for s samples.
 class SparsePlanner {
  public:
   explicit SparsePlanner(const PointCloud& cloud, SparsePlannerOptions options = {})
@@ -171,7 +171,7 @@ class SparsePlanner {
         node = tree_.nearest(step)->index;
       }
     }
-    // Parents in reach, the cheapest first; then whom the node serves better.
+    // Parents in reach, the cheapest first; then the nodes that it serves better.
     const double n = static_cast<double>(t.count + 1);
     const double radius = std::min(longest_, gamma_ * std::sqrt(std::log(n + 1.0) / n));
     struct Near {

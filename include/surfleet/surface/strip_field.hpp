@@ -20,12 +20,12 @@
 #include <surfleet/core/types.hpp>
 #include <surfleet/geometry/predicates.hpp>
 #include <surfleet/geometry/triangle_mesh.hpp>
+#include <surfleet/surface/strip_path.hpp>
 #include <surfleet/surface/surface_point.hpp>
-#include <surfleet/surface/taut_strip.hpp>
 #include <surfleet/surface/triangle_strip.hpp>
 
 namespace surfleet {
-/// A way to lay a field into a strip: `prepare` once, then `field(place, weights)` in the plane,
+/// Lays a field into a strip: `prepare` once, then `field(place, weights)` in the plane,
 /// at most about 1 long.
 ///
 /// At every inner point of a place that has an exit it must lead on towards it, and nowhere out of
@@ -61,7 +61,7 @@ inline double farthest_corner(const std::array<Point2, 3>& corners, const Point2
 /// the exit's normal. One vector serves all places about a vertex, and the field is continuous
 /// there, where the angle from the vertex's first border edge to its last inner edge is less than
 /// π; elsewhere every place takes its own, which is a break. Among the directions allowed the one
-/// nearest to that of the strip's taut path is taken.
+/// nearest to that of the strip's shortest path is taken.
 class ContinuousField {
  public:
   /// How far vectors keep from the inner edges they cross, as a share of the angle allowed.
@@ -123,7 +123,7 @@ class ContinuousField {
   static int corner_at(const std::array<Point2, 3>& corners, const Point2& at) {
     return corners[0] == at ? 0 : corners[1] == at ? 1 : 2;
   }
-  /// For every place the direction of the taut path as it leaves it.
+  /// For every place the direction of the shortest path as it leaves it.
   static std::vector<Point2> directions(const TriangleMesh& mesh, const UnfoldedStrip& strip,
                                         const Point2& goal) {
     // From the middle of the first place.
@@ -304,9 +304,9 @@ class PerpendicularField {
     return most;
   }
   /// Towards the goal, slower in its triangle.
-  Point2 capped(const Point2& way, std::size_t place) const {
+  Point2 capped(const Point2& offset, std::size_t place) const {
     const double far = detail::farthest_corner(strip_.corners[place], goal_);
-    return far > 0.0 ? Point2(way / far) : Point2(Point2::Zero());
+    return far > 0.0 ? Point2(offset / far) : Point2(Point2::Zero());
   }
 
   UnfoldedStrip strip_;

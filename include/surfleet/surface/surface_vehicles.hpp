@@ -56,7 +56,7 @@ struct Unicycle {
 struct BicycleOptions {
   double wheelbase = 0.125;             ///< L [m].
   double max_speed = 0.1;               ///< Of the driven wheel [m/s].
-  double max_steering = radians(85.0);  ///< Either way [rad], less than 90°.
+  double max_steering = radians(85.0);  ///< To either side [rad], less than 90°.
   double steering_rate = 3.0;           ///< [rad/s]
 };
 namespace detail {

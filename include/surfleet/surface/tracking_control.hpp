@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Tracking a path on a surface in the plane: unwrapped way points, a B-spline through them
+/// @brief Tracking a path on a surface in the plane: unwrapped waypoints, a B-spline through them
 /// for a virtual reference to run on, and nonlinear feedback of the error [004 §8.2.4].
 #pragma once
 
@@ -17,7 +17,7 @@
 #include <surfleet/surface/surface_vehicles.hpp>
 
 namespace surfleet {
-/// A way point and the surface's normal there.
+/// A waypoint and the surface's normal there.
 struct OrientedPoint {
   Point3 position = Point3::Zero();
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
@@ -35,22 +35,23 @@ class UnwrappedPath {
   /// Points that repeat the one before are left out. Throws `Error` where fewer than two are left.
   explicit UnwrappedPath(std::span<const OrientedPoint> path) {
     for (const OrientedPoint& p : path)
-      if (way_.empty() || (p.position - way_.back().position).norm() > 1e-12) way_.push_back(p);
-    require(way_.size() >= 2, "unwrapped path: expected two points or more that differ");
+      if (waypoints_.empty() || (p.position - waypoints_.back().position).norm() > 1e-12)
+        waypoints_.push_back(p);
+    require(waypoints_.size() >= 2, "unwrapped path: expected two points or more that differ");
     flat_.push_back(Point2::Zero());
     double heading = 0.0;
-    for (std::size_t i = 0; i + 1 < way_.size(); ++i) {
-      const Eigen::Vector3d m = way_[i + 1].position - way_[i].position;
+    for (std::size_t i = 0; i + 1 < waypoints_.size(); ++i) {
+      const Eigen::Vector3d m = waypoints_[i + 1].position - waypoints_[i].position;
       if (i > 0) {
-        const Eigen::Vector3d h = way_[i].position - way_[i - 1].position;
-        heading += turn(h, m, way_[i].normal);
+        const Eigen::Vector3d h = waypoints_[i].position - waypoints_[i - 1].position;
+        heading += turn(h, m, waypoints_[i].normal);
       }
       heading_.push_back(heading);
       flat_.push_back(flat_.back() + m.norm() * Point2(std::cos(heading), std::sin(heading)));
     }
   }
   const std::vector<Point2>& points() const { return flat_; }
-  const std::vector<OrientedPoint>& way() const { return way_; }
+  const std::vector<OrientedPoint>& waypoints() const { return waypoints_; }
 
   /// The angle from `h` to `m` about `normal`, both seen along it [rad].
   static double turn(const Eigen::Vector3d& h, const Eigen::Vector3d& m,
@@ -64,10 +65,11 @@ class UnwrappedPath {
     constexpr std::size_t kAhead = 30, kBehind = 5;
     const std::size_t first = hint > kBehind ? hint - kBehind : 0, end = hint + kAhead;
     double best = 1e300;
-    for (std::size_t i = first; i + 1 < way_.size() && i < end; ++i) {
-      const Eigen::Vector3d m = way_[i + 1].position - way_[i].position;
-      const double s = std::clamp((position - way_[i].position).dot(m) / m.squaredNorm(), 0.0, 1.0);
-      const double d = (way_[i].position + s * m - position).squaredNorm();
+    for (std::size_t i = first; i + 1 < waypoints_.size() && i < end; ++i) {
+      const Eigen::Vector3d m = waypoints_[i + 1].position - waypoints_[i].position;
+      const double s =
+          std::clamp((position - waypoints_[i].position).dot(m) / m.squaredNorm(), 0.0, 1.0);
+      const double d = (waypoints_[i].position + s * m - position).squaredNorm();
       if (d < best - 1e-15) {
         best = d;
         hint = i;
@@ -81,17 +83,17 @@ class UnwrappedPath {
   PlanarPose pose(const Point3& position, const Eigen::Vector3d& forward, std::size_t& hint) const {
     distance(position, hint);
     const std::size_t i = hint;
-    const Eigen::Vector3d m = (way_[i + 1].position - way_[i].position).normalized();
-    Eigen::Vector3d n = way_[i].normal + way_[i + 1].normal;
+    const Eigen::Vector3d m = (waypoints_[i + 1].position - waypoints_[i].position).normalized();
+    Eigen::Vector3d n = waypoints_[i].normal + waypoints_[i + 1].normal;
     n = (n - n.dot(m) * m).normalized();
-    const Eigen::Vector3d left = n.cross(m), off = position - way_[i].position;
+    const Eigen::Vector3d left = n.cross(m), off = position - waypoints_[i].position;
     const Point2 along(std::cos(heading_[i]), std::sin(heading_[i]));
     return {flat_[i] + off.dot(m) * along + off.dot(left) * Point2(-along.y(), along.x()),
             heading_[i] + std::atan2(forward.dot(left), forward.dot(m))};
   }
 
  private:
-  std::vector<OrientedPoint> way_;
+  std::vector<OrientedPoint> waypoints_;
   std::vector<Point2> flat_;
   std::vector<double> heading_;
 };

@@ -55,7 +55,7 @@ struct UnfoldedStrip {
     const auto k = static_cast<std::size_t>(exit[place]), j = (k + 1) % 3;
     const Triangle& t = mesh.triangles[static_cast<std::size_t>(triangles[place])];
     const auto& c = corners[place];
-    // Left of the way out is the far end of a side that runs anticlockwise about its triangle.
+    // Left of the exit is the far end of a side that runs anticlockwise about its triangle.
     if (mirrored[place] != 0) return {c[k], c[j], t[k], t[j]};
     return {c[j], c[k], t[j], t[k]};
   }

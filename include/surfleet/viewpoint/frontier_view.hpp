@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Unknown space as something to look at: its cells, and the look that shows most of them.
+/// @brief Frontier views: cells of unknown space, and the viewing pose of the most gain for its
+/// cost.
 #pragma once
 
 #include <cmath>
@@ -15,13 +16,13 @@
 #include <surfleet/motion/flight_lattice.hpp>
 #include <surfleet/motion/free_space.hpp>
 #include <surfleet/motion/lazy_prm.hpp>
-#include <surfleet/motion/roadmap_ways.hpp>
+#include <surfleet/motion/roadmap_passages.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
 #include <surfleet/viewpoint/view_limits.hpp>
 
 namespace surfleet {
-/// The space of a map in cells of two voxels each way; a cell is what its first voxel is. Remembers
-/// the last block it read: one a thread.
+/// The space of a map in cells of two voxels along each axis; a cell is what its first voxel is.
+/// Remembers the last block it read: one a thread.
 class SpaceCells {
  public:
   using Cell = VoxelKey;
@@ -36,7 +37,7 @@ class SpaceCells {
   }
   VoxelState state(const VoxelIndex& c) { return state_(c * 2); }
 
-  /// Whether nothing that is known stands in the way of a body there; if so, `note(Cell)` is told
+  /// Whether nothing that is known stands where a body there would be; if so, `note(Cell)` is told
   /// what is unknown. O(cells of the body).
   template <typename Note>
   bool has_room(const Point3& pose, double radius, Note&& note) {
@@ -61,7 +62,7 @@ class SpaceCells {
   VoxelStateMap::Accessor state_;
 };
 
-/// Looks at cells of unknown space. What stays unknown after some looks is left alone.
+/// Views of cells of unknown space; a cell that stays unknown after `max_views` is given up.
 class FrontierViews {
  public:
   int max_views = kViewsInVain;  ///< At a cell before it is given up.
@@ -70,14 +71,14 @@ class FrontierViews {
     SpaceCells::Cell cell;
     double gain = 1.0;  ///< At most 1.
   };
-  struct Look {
+  struct View {
     Configuration configuration;
     std::size_t site = 0;  // of the lattice
   };
 
   bool given_up(const SpaceCells::Cell& c) const {
-    const auto it = looks_.find(c);
-    return it != looks_.end() && it->second >= max_views;
+    const auto it = taken_.find(c);
+    return it != taken_.end() && it->second >= max_views;
   }
 
   /// One search among the cells wanted now; those that are given up should not be.
@@ -85,10 +86,10 @@ class FrontierViews {
    public:
     /// From the lattice of the roadmap's space, and as far as `reach` [m]. All but the cells must
     /// outlive it.
-    Search(FrontierViews& looks, FlightLattice<FreeSpace>& lattice, const LazyPrmStar& roadmap,
+    Search(FrontierViews& views, FlightLattice<FreeSpace>& lattice, const LazyPrmStar& roadmap,
            std::vector<Wanted> wanted, const VoxelStateMap& map, const HeadingTable& headings,
            double reach)
-        : looks_(&looks),
+        : views_(&views),
           lattice_(&lattice),
           roadmap_(&roadmap),
           wanted_(std::move(wanted)),
@@ -96,17 +97,17 @@ class FrontierViews {
           done_(wanted_.size(), 0) {}
 
     struct Limits {
-      double least = 0.0;                                         ///< Worth that a look must show.
+      double least = 0.0;                                         ///< Gain that a view must have.
       double farthest = std::numeric_limits<double>::infinity();  ///< From the start [m].
-      double saved = 0.0;  ///< No look costs less than its distance less so much [m].
-      /// No look is to be the one that was just made.
+      double saved = 0.0;  ///< No view costs less than its distance less so much [m].
+      /// The last view, not to be repeated.
       std::optional<Configuration> made{};
     };
-    /// The look of the highest worth over its cost that shows something, if there is one;
-    /// `cost(site)` is more than 0, and infinite where no look is to be [m].
+    /// The view of the highest gain over its cost, if any has gain; `cost(site)` is more than 0,
+    /// and infinite where no view is to be taken [m].
     template <typename Cost>
-    std::optional<Look> best(const Point3& start, const Limits& limits, Cost&& cost) {
-      std::optional<Look> best;
+    std::optional<View> best(const Point3& start, const Limits& limits, Cost&& cost) {
+      std::optional<View> best;
       double best_rate = 0.0;
       const auto all = static_cast<double>(targets_.size());
       const auto visit = [&](const auto& site) {
@@ -123,18 +124,18 @@ class FrontierViews {
         for (std::size_t k = 0; k < gain.size(); ++k)
           if (gain[k] >= limits.least && gain[k] > best_rate * metres) {
             best_rate = gain[k] / metres;
-            best = Look{targets_.headings().at(site.position, static_cast<int>(k)), id};
+            best = View{targets_.headings().at(site.position, static_cast<int>(k)), id};
           }
         return true;
       };
-      lattice_->search(start, visit, RoadmapWays(*roadmap_, roadmap_->reach_from(start)));
+      lattice_->search(start, visit, RoadmapPassages(*roadmap_, roadmap_->reach_from(start)));
       return best;
     }
-    /// The look will be made: what it shows is wanted no more, and is one look nearer to be given
-    /// up.
-    void take(const Look& look) {
-      mark_in_view(seen_.at(look.site), targets_.headings().nearest_view(look.configuration), done_,
-                   [&](std::size_t id) { ++looks_->looks_[wanted_[id].cell]; });
+    /// The view will be taken: what it shows is wanted no more, and is one view nearer to being
+    /// given up.
+    void take(const View& view) {
+      mark_in_view(seen_.at(view.site), targets_.headings().nearest_view(view.configuration), done_,
+                   [&](std::size_t id) { ++views_->taken_[wanted_[id].cell]; });
     }
 
    private:
@@ -149,7 +150,7 @@ class FrontierViews {
       return targets;
     }
 
-    FrontierViews* looks_;
+    FrontierViews* views_;
     FlightLattice<FreeSpace>* lattice_;
     const LazyPrmStar* roadmap_;
     std::vector<Wanted> wanted_;
@@ -159,7 +160,7 @@ class FrontierViews {
   };
 
  private:
-  static constexpr int kDepth = 3;  ///< Unknown voxels a look at space may pass.
-  std::map<SpaceCells::Cell, int> looks_;
+  static constexpr int kDepth = 3;  ///< Unknown voxels that a line of sight may pass.
+  std::map<SpaceCells::Cell, int> taken_;
 };
 }  // namespace surfleet

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Where a region goes on into space that nobody has looked into.
+/// @brief Frontiers: where the known part of a region borders on unknown space.
 #pragma once
 
 #include <algorithm>
@@ -23,17 +23,17 @@ namespace surfleet {
 struct FrontierOptions {
   int max_views = kViewsInVain;  ///< In vain, after which a cell is given up.
   double prior_chance = 0.25;    ///< That a cell holds surface, before any was opened.
-  double prior_cells = 20.0;     ///< Cells' worth of experience that this counts as.
+  double prior_cells = 20.0;     ///< Weight of the prior, in cells.
 };
 
-/// The border of unseen space in a region, in cells: what a surface that stands by itself, behind
-/// empty space only, can be found by. Incomplete elements do not lead there, as they need surface.
+/// The frontier of a region, in cells: what a surface that stands by itself, behind empty space
+/// only, can be found by. Incomplete elements do not lead there, as they need surface.
 ///
-/// A cell is unseen as long as its middle voxel is unknown, and on the border if the middle of a
-/// face neighbour is empty. After `max_views` looks at it in vain a cell is given up: unknown space
-/// in nooks stays what it is. What the cells on the border turn out to hold is remembered by
-/// height: there is less to expect of the sky around a tower than of the ground it stands on. Cells
-/// near known surface tell nothing of what stands by itself, and may be left out.
+/// A cell is unknown as long as its middle voxel is, and on the frontier if the middle of a face
+/// neighbour is empty. After `max_views` views of it in vain a cell is given up: unknown space in
+/// nooks stays what it is. What the cells on the frontier turn out to hold is remembered by height:
+/// there is less to expect of the sky around a tower than of the ground it stands on. Cells near
+/// known surface tell nothing of what stands by itself, and may be left out.
 class Frontiers {
  public:
   explicit Frontiers(FrontierOptions options = {}) : options_(options) {
@@ -41,9 +41,9 @@ class Frontiers {
             "frontiers: expected a prior chance in (0, 1] of a positive number of cells");
   }
 
-  /// Follows one map for life: the border, in cells `edge` wide (rounded to whole voxels) whose
-  /// centre lies in `region`; an empty region means nothing to look for. O(blocks changed since the
-  /// last call), and all of them where the region or the width is a new one.
+  /// Follows one map for life: the frontier, in cells `edge` wide (rounded to whole voxels) whose
+  /// centre lies in `region`; an empty region has none. O(blocks changed since the last call), and
+  /// all of them where the region or the width is a new one.
   void update(const VoxelStateMap& states, const Box3& region, double edge) {
     if (region.isEmpty()) {
       cells_.clear();
@@ -54,7 +54,7 @@ class Frontiers {
     const int side = std::max(1, static_cast<int>(std::lround(edge / states.voxel_size())));
     if (side != side_ || region.min() != region_.min() || region.max() != region_.max()) {
       border_.clear();
-      looks_.clear();
+      views_.clear();
       opened_.clear();
       cells_.clear();
       cursor_ = 0;
@@ -78,8 +78,8 @@ class Frontiers {
     cursor_ = states.grid().revision();
     cells_.clear();
     for (const VoxelKey& cell : border_) {
-      const auto it = looks_.find(cell);
-      if (it == looks_.end() || it->second < options_.max_views) cells_.push_back(cell);
+      const auto it = views_.find(cell);
+      if (it == views_.end() || it->second < options_.max_views) cells_.push_back(cell);
     }
     near_.assign(cells_.size(), 0);
   }
@@ -104,8 +104,8 @@ class Frontiers {
   /// Cell `i` is near known surface: `chance` is not told what it holds if it is opened by the next
   /// update.
   void note_near(std::size_t i) { near_[i] = 1; }
-  /// Somebody has looked at cell `i` and it is on the border still.
-  void note_view(std::size_t i) { ++looks_[cells_[i]]; }
+  /// Cell `i` was viewed and is on the frontier still.
+  void note_view(std::size_t i) { ++views_[cells_[i]]; }
 
  private:
   struct ByLayer {
@@ -157,7 +157,7 @@ class Frontiers {
   std::uint64_t cursor_ = 0;
   std::set<VoxelKey, ByLayer> border_;
   std::vector<VoxelKey> cells_;  // of the border, less what was given up
-  std::map<VoxelKey, int> looks_;
+  std::map<VoxelKey, int> views_;
   std::vector<char> near_;       // by cell, as told since the last update
   std::map<int, Layer> opened_;  // by height in cells
 };

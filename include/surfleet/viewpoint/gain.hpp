@@ -33,7 +33,7 @@ namespace surfleet {
 /// What counts as gain.
 ///
 /// `g.seen(q)` names what a configuration shows, as a sorted vector of distinct integers;
-/// `g.value(n)` is what n of them are worth. Things are named, not counted, so that what two views
+/// `g.value(n)` is the gain of n of them. Things are named, not counted, so that what two views
 /// share counts once. `seen` is thread-safe.
 template <typename G>
 concept GainModel = requires(const G& g, const Configuration& q, std::size_t n) {
@@ -43,7 +43,7 @@ concept GainModel = requires(const G& g, const Configuration& q, std::size_t n) 
 template <GainModel G>
 using SeenBy = std::decay_t<decltype(std::declval<const G&>().seen(Configuration{}))>;
 
-/// C_q: the incomplete elements in the frustum and in sight; worth 1/|C| each [000 eq. 2.1].
+/// C_q: the incomplete elements in the frustum and in sight; 1/|C| each [000 eq. 2.1].
 ///
 /// Elements are kept by cells of eight voxels, so `seen` costs O(cells and elements in the
 /// frustum's bounds + rays). Elements are named by their index in the span given, which is not
@@ -67,7 +67,7 @@ class IncompleteSurfaceGain {
     const ViewFrustum::Placed placed = frustum_.at(q);
     const Point3 eye = placed.eye();
     LineOfSight line(*map_, sight_);
-    const auto look = [&](const VoxelIndex& index, const std::vector<Entry>& cell) {
+    const auto collect = [&](const VoxelIndex& index, const std::vector<Entry>& cell) {
       if (!placed.may_contain(cells_.center(index), 0.87 * cells_.voxel_size())) return;
       for (const Entry& e : cell)
         if (placed.contains(e.position) && line.sees(eye, e.voxel)) ids.push_back(e.id);
@@ -76,10 +76,10 @@ class IncompleteSurfaceGain {
     const VoxelIndex low = cells_.index_of(box.min()), high = cells_.index_of(box.max());
     const Eigen::Vector3d extent = (high - low).cast<double>() + Eigen::Vector3d::Ones();
     if (extent.prod() > static_cast<double>(cells_.block_count())) {
-      cells_.for_each_block([&](const auto& b) { look(b.index, b.voxels[0]); });
+      cells_.for_each_block([&](const auto& b) { collect(b.index, b.voxels[0]); });
     } else {
       for_each_index(low, high, [&](const VoxelIndex& v) {
-        if (const auto* cell = cells_.find(v)) look(v, *cell);
+        if (const auto* cell = cells_.find(v)) collect(v, *cell);
       });
     }
     std::sort(ids.begin(), ids.end());
@@ -109,7 +109,7 @@ struct UnknownVolumeOptions {
 };
 
 /// The unknown voxels that rays through every `stride`-th pixel pass before they meet the surface;
-/// worth their volume [m³].
+/// the gain is their volume [m³].
 ///
 /// O(rays × voxels a ray). The map must outlive this object and not gain blocks meanwhile.
 class UnknownVolumeGain {

@@ -11,8 +11,8 @@
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
-/// The worth of all targets in the cell of a place and the 26 around it: no look that reaches no
-/// farther than a cell is wide can see more. O(targets) to make, O(1) to ask.
+/// The gain of all targets in the cell of a place and the 26 around it: no view that reaches no
+/// farther than a cell is wide has more. O(targets) to make, O(1) to ask.
 class GainAround {
  public:
   /// Cells are `reach` wide [m].

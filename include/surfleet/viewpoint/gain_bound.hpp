@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief The most that one look can show, from sums over boxes.
+/// @brief An upper bound of a view's gain, from sums over boxes.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 #include <surfleet/viewpoint/sight_targets.hpp>
 
 namespace surfleet {
-/// From a node of a flight lattice no more is in a view than the worth of all targets
-/// in the box around it. The boxes are aligned with the lattice, so a table of sums gives
-/// each in O(1): one look in some hundred is worth the rays that tell what is really seen.
+/// No view from a node of a flight lattice has more gain than all targets in the box around it. The
+/// boxes are aligned with the lattice, so a table of sums gives each in O(1): rays need be cast for
+/// one view in some hundred only.
 class GainBound {
  public:
-  /// Looks reach as far as `reach` [m]. O(targets + nodes).
+  /// Views reach as far as `reach` [m]. O(targets + nodes).
   template <typename Free>
   GainBound(std::span<const SightTarget> targets, const FlightLattice<Free>& lattice,
             const HeadingTable& headings, double reach)
@@ -80,7 +80,7 @@ class GainBound {
     VoxelIndex low, high;  // to before `high`
   };
   static constexpr double kSlack = 0.01;     // that boxes are wider than views, of the reach
-  static constexpr double kRounding = 1e-9;  // of all worth
+  static constexpr double kRounding = 1e-9;  // of all gain
 
   int cell_at(double offset) const { return static_cast<int>(std::floor(offset / cell_)); }
   std::size_t at(const VoxelIndex& c) const {

@@ -12,7 +12,7 @@ enum class LeftReason : std::uint8_t {
   hidden,           ///< No line of sight to what is unknown beside it.
   no_free_pose,     ///< No collision-free configuration has it in view.
   unreachable,      ///< Configurations see it, but none can be reached.
-  seen_incomplete,  ///< Looked at as often as allowed, and still incomplete.
+  seen_incomplete,  ///< Viewed as often as allowed, and still incomplete.
   not_attempted,    ///< The mission ended before its turn came, or its planner says nothing of it.
 };
 constexpr std::string_view name_of(LeftReason r) {

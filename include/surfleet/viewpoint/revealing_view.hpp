@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Whether a look can complete an incomplete element.
+/// @brief Whether a view can complete an incomplete element.
 #pragma once
 
 #include <surfleet/core/types.hpp>
@@ -19,8 +19,8 @@ inline bool shows_unknown(const ViewFrustum::Placed& placed, const IncompleteEle
            line.sees(eye, e.voxel + offset);
   });
 }
-/// Whether a look brings an element nearer to completion: the element is in the frustum and in
-/// sight, and so is one of its unknown neighbours. A look that misses them is in vain however long
+/// Whether a view brings an element nearer to completion: the element is in the frustum and in
+/// sight, and so is one of its unknown neighbours. A view that misses them is in vain however long
 /// it lasts: the element is complete once they are known. O(voxels on the lines of sight).
 inline bool reveals(const ViewFrustum::Placed& placed, const IncompleteElement& e,
                     LineOfSight& line) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Points worth seeing, and what a camera at a given place would see of them.
+/// @brief Sight targets, and which of them a camera at a given place would see.
 #pragma once
 
 #include <algorithm>
@@ -25,10 +25,10 @@
 #include <surfleet/mapping/voxel_traversal.hpp>
 
 namespace surfleet {
-/// A point of the surface, seen or predicted, that is worth a look.
+/// A point of the surface, observed or predicted, that is to be viewed.
 struct SightTarget {
   Point3 position = Point3::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Side to look at it from; zero if any.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Side to view it from; zero if any.
   double gain = 0.0;                                 ///< Area it stands for [m²].
   int unknown_before = 0;  ///< How many unknown voxels the line of sight may pass.
 };
@@ -49,7 +49,7 @@ constexpr int kMostViews = kHeadings * kMostPitches;
 using ViewBits = std::uint64_t;  ///< Views of a place, a bit each.
 inline bool has_view(ViewBits views, int view) { return (views >> view & 1U) != 0; }
 
-/// What each view of a place is worth; at first nothing.
+/// The gain of each view of a place; at first 0.
 class GainByView {
  public:
   explicit GainByView(int views = kHeadings) : views_(static_cast<std::size_t>(views)) {
@@ -194,7 +194,7 @@ class HeadingTable {
 };
 
 /// What ends a line of sight: `sees(p, target)` is true if the target shows from `p`. Copied for
-/// every place that is asked about, so it may remember where it looked last.
+/// every place that is asked about, so it may cache the last voxel block.
 template <typename S>
 concept TargetSight = std::copy_constructible<S> &&
     requires(S& sees, const Point3& p, const SightTarget& target) {
@@ -207,7 +207,7 @@ class MapSight {
  public:
   explicit MapSight(const VoxelStateMap& map) : map_(&map), states_(map) {}
   /// From now on unknown voxels are taken for empty, whatever targets say.
-  void look_through_unknown() { through_unknown_ = true; }
+  void see_through_unknown() { through_unknown_ = true; }
   bool operator()(const Point3& p, const SightTarget& t) {
     const VoxelIndex goal = map_->grid().index_of(t.position);
     int unknown = 0;
@@ -309,10 +309,10 @@ class SightTargets {
   std::size_t size() const { return targets_.size(); }
   const SightTarget& operator[](std::size_t i) const { return targets_[i]; }
   std::span<const SightTarget> all() const { return targets_; }
-  /// Farthest look that counts [m].
+  /// Range of views [m].
   double reach() const { return reach_; }
 
-  /// The targets that would be in view from `p` if nothing were in the way, in the buffer, which
+  /// The targets that would be in view from `p` if nothing occluded them, in the buffer, which
   /// grows as needed: one a thread, for all places. O(targets within reach).
   std::span<const Sighting> in_view(const Point3& p, std::vector<Sighting>& buffer) const {
     std::size_t count = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief Which robots can reach which viewpoints, so that nobody is sent where he cannot get.
+/// @brief Which robots can reach which viewpoints, so that none is sent where it cannot get.
 #pragma once
 
 #include <algorithm>
@@ -25,9 +25,9 @@ inline bool any_reaches(std::span<const ReachFrom> reach, const Point3& p) {
 }
 
 /// What it costs to go from one viewpoint to the next and stop there, as metres of flight: turning
-/// on the way costs nothing as long as the flight takes longer. As it stands, the straight length.
+/// en route costs nothing as long as the flight takes longer. As it stands, the straight length.
 struct StopDistance {
-  double stop = 0.0;  ///< A stop, for braking, looking and setting off again [m].
+  double stop = 0.0;  ///< A stop, for braking, observing and setting off again [m].
   double turn = 0.0;  ///< Turning, at the robot's speed over its yaw rate [m/rad].
   double operator()(const Configuration& a, const Configuration& b) const {
     const double length = EuclideanDistance{}(a, b);

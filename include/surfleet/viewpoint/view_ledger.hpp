@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What was looked at in vain, so that no robot looks for ever.
+/// @brief Which views were in vain, so that observation ends.
 #pragma once
 
 #include <algorithm>
@@ -18,16 +18,16 @@
 
 namespace surfleet {
 struct ViewLedgerOptions {
-  int max_views = 1;     ///< Looks in vain before an element is given up.
-  int max_failures = 3;  ///< Flights that found no way before it is.
-  /// A look within this angle of one in vain would be in vain too [rad].
+  int max_views = 1;     ///< In vain, before an element is given up.
+  int max_failures = 3;  ///< Searches without a path, before it is.
+  /// A view within this angle of one in vain would be in vain too [rad].
   double same_side = radians(40.0);
 };
 
-/// Remembers the looks that should have completed incomplete elements and did not.
+/// Remembers the views that should have completed incomplete elements and did not.
 ///
-/// What two voxels in each direction hold shares its looks: where surface cannot be completed,
-/// noise moves the elements about by a voxel, and none of them is new. Looks are a set and failures
+/// Elements within two voxels along each axis share their views: where surface cannot be completed,
+/// noise moves the elements about by a voxel, and none of them is new. Views are a set and failures
 /// sums, so that what others note is added in any order and taken away again without a trace: equal
 /// notes make equal ledgers.
 class ViewLedger {
@@ -36,16 +36,16 @@ class ViewLedger {
       : options_(options), same_side_(std::cos(options.same_side)) {}
 
   // -- what comes in -----------------------------------------------------------------------------
-  /// A look that should have been enough left the element incomplete; `direction` is the unit
-  /// vector from it to the camera. Looks from the same place count as one.
+  /// A view that should have been enough left the element incomplete; `direction` is the unit
+  /// vector from it to the camera. Views from the same place count as one.
   void viewed_in_vain(const VoxelIndex& v, const Eigen::Vector3d& direction) {
     const VoxelKey place = view_place(v);
     Entry& entry = entries_[place];
-    for (const auto& [look, times] : entry.looks)
-      if (unit_vector(look).dot(direction) > kSamePlace) return;
-    const ViewDirection look = quantised(direction);
-    ++entry.looks[look];
-    news_.looks.push_back({place, look});
+    for (const auto& [view, times] : entry.views)
+      if (unit_vector(view).dot(direction) > kSamePlace) return;
+    const ViewDirection view = quantised(direction);
+    ++entry.views[view];
+    news_.views.push_back({place, view});
   }
   /// No path was found to a configuration that sees these: one failure for each place.
   void not_reached(std::span<const VoxelIndex> voxels) {
@@ -63,10 +63,10 @@ class ViewLedger {
   /// Takes away what was added, or noted here: what is left is as if it had never come. Throws
   /// `Error`, and changes nothing, if it is not there.
   void remove(const ViewNotes& notes) {
-    for (const ViewNotes::Look& l : notes.looks) {
-      const auto it = entries_.find(l.place);
-      require(it != entries_.end() && it->second.looks.contains(l.direction),
-              "looks in vain: expected some that were added");
+    for (const ViewNotes::View& v : notes.views) {
+      const auto it = entries_.find(v.place);
+      require(it != entries_.end() && it->second.views.contains(v.direction),
+              "views in vain: expected some that were added");
     }
     for (const ViewNotes::Failure& f : notes.failures) {
       const auto it = entries_.find(f.place);
@@ -84,45 +84,44 @@ class ViewLedger {
   bool has_news() const { return !news_.empty(); }
 
   // -- what is held ------------------------------------------------------------------------------
-  /// How many looks were in vain.
-  std::size_t looks(const VoxelIndex& v) const {
+  std::size_t views_in_vain(const VoxelIndex& v) const {
     const auto it = entries_.find(view_place(v));
-    return it == entries_.end() ? 0 : it->second.looks.size();
+    return it == entries_.end() ? 0 : it->second.views.size();
   }
-  bool fresh(const VoxelIndex& v) const { return looks(v) == 0; }  ///< No look was in vain yet.
-  /// Whether a look along this direction shows a side that was not looked at in vain.
+  bool fresh(const VoxelIndex& v) const { return views_in_vain(v) == 0; }
+  /// Whether this viewing direction shows a side that was not viewed in vain.
   bool promises(const VoxelIndex& v, const Eigen::Vector3d& direction) const {
     const auto it = entries_.find(view_place(v));
     if (it == entries_.end()) return true;
-    return std::none_of(it->second.looks.begin(), it->second.looks.end(), [&](const auto& look) {
-      return unit_vector(look.first).dot(direction) > same_side_;
+    return std::none_of(it->second.views.begin(), it->second.views.end(), [&](const auto& view) {
+      return unit_vector(view.first).dot(direction) > same_side_;
     });
   }
   bool given_up(const VoxelIndex& v) const { return reason(v).has_value(); }
-  /// Why nobody is sent there any more; nothing while it is worth another look.
+  /// Why no robot is sent there any more; nothing while another view may help.
   std::optional<LeftReason> reason(const VoxelIndex& v) const {
     const auto it = entries_.find(view_place(v));
     if (it == entries_.end()) return std::nullopt;
     const auto most = static_cast<std::size_t>(std::max(options_.max_views, 0));
-    if (it->second.looks.size() >= most && it->second.sides() >= most)
+    if (it->second.views.size() >= most && it->second.sides() >= most)
       return LeftReason::seen_incomplete;
     if (it->second.failures >= options_.max_failures) return LeftReason::unreachable;
     return std::nullopt;
   }
-  /// Whether the same was noted, by whomever and in whatever order.
+  /// Whether the same was noted, by whichever robots in whatever order.
   bool operator==(const ViewLedger& other) const { return entries_ == other.entries_; }
 
  private:
   struct Entry {
-    std::map<ViewDirection, int> looks;  // how often each was noted
+    std::map<ViewDirection, int> views;  // how often each was noted
     int failures = 0;
     bool operator==(const Entry&) const = default;
-    bool empty() const { return looks.empty() && failures == 0; }
-    /// Looks of several robots from the same place count as one, too.
+    bool empty() const { return views.empty() && failures == 0; }
+    /// Views of several robots from the same place count as one, too.
     std::size_t sides() const {
       std::vector<Eigen::Vector3d> counted;
-      for (const auto& [look, times] : looks) {
-        const Eigen::Vector3d l = unit_vector(look);
+      for (const auto& [view, times] : views) {
+        const Eigen::Vector3d l = unit_vector(view);
         if (std::none_of(counted.begin(), counted.end(),
                          [&](const Eigen::Vector3d& c) { return c.dot(l) > kSamePlace; }))
           counted.push_back(l);
@@ -131,10 +130,10 @@ class ViewLedger {
     }
   };
   void change(const ViewNotes& notes, int sign) {
-    for (const ViewNotes::Look& l : notes.looks) {
-      Entry& entry = entries_[l.place];
-      if ((entry.looks[l.direction] += sign) == 0) entry.looks.erase(l.direction);
-      if (entry.empty()) entries_.erase(l.place);
+    for (const ViewNotes::View& v : notes.views) {
+      Entry& entry = entries_[v.place];
+      if ((entry.views[v.direction] += sign) == 0) entry.views.erase(v.direction);
+      if (entry.empty()) entries_.erase(v.place);
     }
     for (const ViewNotes::Failure& f : notes.failures) {
       Entry& entry = entries_[f.place];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief How far and how often views are worth their flight.
+/// @brief How far views reach, and how often they are repeated.
 #pragma once
 
 namespace surfleet {

@@ -85,7 +85,7 @@ class ViewpointMemory {
   void forget(std::span<const Box3> changed) { memory_.forget(changed); }
 
   /// What `generate` finds for each element, as `generate_viewpoints` gives it. `is_free` must be a
-  /// function of the free space and `promises` one of the ledger's looks alone; `is_reachable` is
+  /// function of the free space and `promises` one of the ledger's views alone; `is_reachable` is
   /// asked anew.
   template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable,
             ViewPredicate Promises>
@@ -96,16 +96,16 @@ class ViewpointMemory {
     for (std::size_t i = 0; i < elements.size(); ++i) {
       const IncompleteElement& e = elements[i];
       const VoxelKey key = key_of(e.voxel);
-      const std::size_t looks = ledger.looks(e.voxel);
+      const std::size_t in_vain = ledger.views_in_vain(e.voxel);
       const Known* known = memory_.find(key);
-      const bool holds = known != nullptr && known->looks == looks && known->unknown == e.unknown &&
-                         known->direction == e.direction &&
+      const bool holds = known != nullptr && known->in_vain == in_vain &&
+                         known->unknown == e.unknown && known->direction == e.direction &&
                          (!known->choice.view || is_reachable(known->choice.view->configuration));
       const ViewpointChoice choice =
           holds ? known->choice : generate(e, is_free, is_reachable, promises);
       // What can be reached changes everywhere at once.
       if (!holds && !choice.out_of_reach)
-        memory_.keep(key, choice.asked, {e.direction, e.unknown, looks, choice});
+        memory_.keep(key, choice.asked, {e.direction, e.unknown, in_vain, choice});
       set.add(static_cast<std::int32_t>(i), choice);
     }
     return set;
@@ -115,7 +115,7 @@ class ViewpointMemory {
   struct Known {
     Eigen::Vector3d direction;  // of the element
     std::uint32_t unknown;      // its neighbours
-    std::size_t looks;          // at it in vain
+    std::size_t in_vain;        // views of it
     ViewpointChoice choice;
   };
   RegionalMemory<VoxelKey, Known> memory_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief A configuration worth taking because of what is seen from it.
+/// @brief A configuration and the incomplete elements that are seen from it.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,10 @@
 #include <surfleet/core/types.hpp>
 
 namespace surfleet {
-/// Where to be and what to look at from there.
+/// A viewing pose and what it is for.
 struct Viewpoint {
   Configuration configuration;
-  /// From what is looked at towards the camera, unit.
+  /// From the targets towards the camera, unit.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   /// Indices into the list of incomplete elements it was made for, ascending.
   std::vector<std::int32_t> targets;
@@ -22,7 +22,7 @@ struct Viewpoint {
 
 /// Why an incomplete element has no viewpoint.
 enum class NoViewReason : std::uint8_t {
-  looked_at,     ///< It could be seen, but only from where another look was said to be in vain.
+  looked_at,     ///< It could be seen, but only from where a view was in vain.
   outside_view,  ///< The camera's mount lets it be seen only from beyond the allowed angle.
   occluded,      ///< Something stands in every line of sight.
   no_free_pose,  ///< It could be seen, but the robot does not fit where it would have to be.

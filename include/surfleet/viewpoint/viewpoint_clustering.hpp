@@ -22,7 +22,7 @@
 namespace surfleet {
 /// The length of a path between two configurations [m], or nothing if there is none.
 ///
-/// `d(a, b)` is never less than the straight distance, which is what neighbours are looked up by,
+/// `d(a, b)` is never less than the straight distance, which is what neighbours are found by,
 /// and is asked at most O(1) times for each pair of neighbours. A roadmap's shortest path is one;
 /// wrap it in a lambda.
 template <typename D>
@@ -39,8 +39,8 @@ struct ViewpointCluster {
 
 struct ClusterOptions {
   double radius = 2.0;      ///< d_ν: paths shorter than this join viewpoints [m].
-  double max_radius = 5.0;  ///< d_ν^max: up to which a viewpoint alone looks for company [m].
-  /// Farthest from a cluster's first viewpoint, straight [m]. Those who would be alone join
+  double max_radius = 5.0;  ///< d_ν^max: up to which a lone viewpoint seeks neighbours [m].
+  /// Farthest from a cluster's first viewpoint, straight [m]. Viewpoints that would be alone join
   /// the nearest all the same.
   double max_extent = std::numeric_limits<double>::infinity();
 };

@@ -48,7 +48,7 @@ struct ViewpointOptions {
 };
 
 namespace detail {
-/// A line of sight, from the element to the camera, and how the robot stands to look along it.
+/// A line of sight, from the element to the camera, and the robot's configuration to view along it.
 struct ViewLine {
   Eigen::Vector3d direction;     ///< Unit.
   double yaw = 0.0;              ///< That turns the optical axis over the azimuth of −direction.
@@ -135,14 +135,14 @@ inline std::vector<double> view_distances(const PinholeCamera& camera, const Vie
 /// A viewpoint for an element from which it is really seen, or the reason why there is none
 /// [000 §2.4.2].
 ///
-/// The camera is put at `distance` along n̄_v, or along the nearest direction that the mount lets a
-/// robot with four degrees of freedom look from, and turned towards the element. If the element is
-/// not in sight from there, or the robot cannot be there, others are tried: first distances within
-/// about a step of the wanted one, over directions by growing angle to n̄_v up to `max_angle`; then
-/// all other distances over the same fan of directions. An element without direction takes
-/// directions as they come. Every view reveals its element: it is in the frustum and in sight, and
-/// so is one of its unknown neighbours. One object a thread; the map must outlive it and not gain
-/// blocks meanwhile.
+/// The camera is put at `distance` along n̄_v, or along the nearest direction from which the mount
+/// lets a robot with four degrees of freedom view it, and turned towards the element. If the
+/// element is not in sight from there, or the robot cannot be there, others are tried: first
+/// distances within about a step of the wanted one, over directions by growing angle to n̄_v up to
+/// `max_angle`; then all other distances over the same fan of directions. An element without
+/// direction takes directions as they come. Every view reveals its element: it is in the frustum
+/// and in sight, and so is one of its unknown neighbours. One object a thread; the map must outlive
+/// it and not gain blocks meanwhile.
 class ViewpointGenerator {
  public:
   /// Throws `Error` on a distance or a step that is not positive.
@@ -158,7 +158,7 @@ class ViewpointGenerator {
         sight_(map, {.unknown_blocks = options.unknown_blocks}) {}
 
   /// `is_free` and `is_reachable` hold for the view, `promises` holds for its line of sight.
-  /// O(tries), one where nothing is in the way.
+  /// O(tries), one where nothing occludes.
   template <ConfigurationPredicate IsFree, ConfigurationPredicate IsReachable = AlwaysTrue,
             ViewPredicate Promises = AlwaysTrue>
   ViewpointChoice operator()(const IncompleteElement& e, const IsFree& is_free,

@@ -32,11 +32,11 @@ struct MergeOptions {
 
 /// Merges viewpoints that nearly coincide by averaging positions and headings [000 §2.4.2].
 ///
-/// In order, each viewpoint joins the nearest group whose first member is within ε and looks
-/// nearly the same way, if `accept(merged)` holds for what the group becomes; else it starts a
-/// group of its own. So what was acceptable stays acceptable: pass a predicate that asks whether
+/// In order, each viewpoint joins the nearest group whose first member is within ε and has nearly
+/// the same viewing direction, if `accept(merged)` holds for what the group becomes; else it starts
+/// a group of its own. So what was acceptable stays acceptable: pass a predicate that asks whether
 /// the pose is free, and, where that matters, whether its targets are seen (`SeesTargets`).
-/// Directions count with their sign: looking two opposite ways is not one view. Targets are
+/// Directions count with their sign: opposite viewing directions are not merged. Targets are
 /// united. About O(viewpoints).
 template <typename Accept>
 requires std::predicate<const Accept&, const Viewpoint&> std::vector<Viewpoint> merge_viewpoints(

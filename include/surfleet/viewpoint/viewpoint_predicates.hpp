@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief What viewpoints are asked for: that the robot may be there, and that a look is worth it.
+/// @brief What viewpoints are asked for: that the robot may be there, and that the view may show
+/// something new.
 #pragma once
 
 #include <cmath>
@@ -24,8 +25,8 @@ struct AlwaysTrue {
     return true;
   }
 };
-/// What generation asks about a line of sight: `p(e, direction)` is true if a look at the element
-/// from there, the unit vector from it to the camera, may show something new. Pure.
+/// What generation asks about a line of sight: `p(e, direction)` is true if a view of the element
+/// along the unit vector from it to the camera may show something new. Pure.
 template <typename P>
 concept ViewPredicate = requires(const P& p, const IncompleteElement& e,
                                  const Eigen::Vector3d& direction) {

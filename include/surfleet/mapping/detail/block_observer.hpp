@@ -38,7 +38,7 @@ class BlockObserver {
     step_ = R.cast<float>();
   }
 
-  std::array<float, kSlice> squared_range;  ///< Of the voxels of the slice last looked at [m²].
+  std::array<float, kSlice> squared_range;  ///< Of the voxels of the last slice [m²].
   std::array<float, kSlice> sdf;            ///< Truncated signed distance [m].
   std::array<float, kSlice> seen;           ///< 1 where the view says something, else 0.
 

@@ -332,7 +332,7 @@ class HitObserver {
   std::vector<Place> order_;
 };
 
-/// Notes the hits of a block that a view looks through: clearly so, where the image resolves a
+/// Notes the hits of a block that a view sees through: clearly so, where the image resolves a
 /// quarter of a voxel, does not meet the hit's plane edge-on, and everything around the hit's pixel
 /// is more than half a voxel farther. True if any was noted.
 inline bool observe_passing(const ProjectiveView& view, double voxel_size, TsdfMap::Block& block) {

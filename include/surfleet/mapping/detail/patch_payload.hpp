@@ -20,8 +20,8 @@
 ///    8. what passed (varints); 9. to 14. positions and normals, one coordinate after the other,
 ///    each a byte: what it exceeds that of the hit before of the same side by, modulo 256.
 ///
-/// Notes of looks follow: looks in vain, a place (3 × int32) and a direction (3 × int8) each;
-/// places that no way was found to see, each with how often (uint8).
+/// View notes follow: views in vain, a place (3 × int32) and a direction (3 × int8) each;
+/// places that no path was found to view, each with how often (uint8).
 ///
 /// A value is predicted from the seven voxels before it in x, y and z, of its own block or of those
 /// before: as if x, y and z added up (Lorenzo); where some were not seen, from those that were.
@@ -353,9 +353,9 @@ inline constexpr std::size_t kViewBytes = 3 * 4 + 3, kFailureBytes = 3 * 4 + 1;
 
 inline Bytes put_view_notes(const ViewNotes& notes) {
   ByteWriter out;
-  for (const ViewNotes::Look& l : notes.looks) {
-    for (const int v : l.place) out.put(std::int32_t{v});
-    out.put(l.direction);
+  for (const ViewNotes::View& v : notes.views) {
+    for (const int k : v.place) out.put(std::int32_t{k});
+    out.put(v.direction);
   }
   for (const ViewNotes::Failure& f : notes.failures) {
     for (const int v : f.place) out.put(std::int32_t{v});
@@ -363,9 +363,9 @@ inline Bytes put_view_notes(const ViewNotes& notes) {
   }
   return out.take();
 }
-/// The notes but for their kind. `bytes` are as many as so many looks and failures take, which the
+/// The notes but for their kind. `bytes` are as many as so many views and failures take, which the
 /// caller has bounded. Throws `Error` that begins with `what` on notes that no robot makes.
-inline void get_view_notes(std::span<const std::byte> bytes, std::size_t looks,
+inline void get_view_notes(std::span<const std::byte> bytes, std::size_t views,
                            std::size_t failures, ViewNotes& notes, const std::string& what) {
   ByteReader in(bytes, what);
   const auto sound = [&](bool ok, const char* why) {
@@ -375,22 +375,23 @@ inline void get_view_notes(std::span<const std::byte> bytes, std::size_t looks,
     VoxelKey p{};
     for (int& v : p) {
       v = in.get<std::int32_t>();
-      sound(v >= -(1 << 29) && v < 1 << 29, "look outside the grid");
+      sound(v >= -(1 << 29) && v < 1 << 29, "view outside the grid");
     }
     return p;
   };
-  notes.looks.reserve(looks);
-  for (std::size_t i = 0; i < looks; ++i) {
-    ViewNotes::Look l{place(), in.get<ViewDirection>()};
-    sound(is_view_direction(l.direction), "look without a direction");
-    sound(i == 0 || notes.looks.back() < l, "looks out of order; expected each once");
-    notes.looks.push_back(l);
+  notes.views.reserve(views);
+  for (std::size_t i = 0; i < views; ++i) {
+    ViewNotes::View v{place(), in.get<ViewDirection>()};
+    sound(is_view_direction(v.direction), "view without a direction");
+    sound(i == 0 || notes.views.back() < v, "views out of order; expected each once");
+    notes.views.push_back(v);
   }
   notes.failures.reserve(failures);
   for (std::size_t i = 0; i < failures; ++i) {
     ViewNotes::Failure f{place(), in.get<std::uint8_t>()};
-    sound(f.count > 0, "way that was sought and not missed");
-    sound(i == 0 || notes.failures.back().place < f.place, "ways out of order; expected each once");
+    sound(f.count > 0, "path that was sought and not missed");
+    sound(i == 0 || notes.failures.back().place < f.place,
+          "failures out of order; expected each once");
     notes.failures.push_back(f);
   }
 }

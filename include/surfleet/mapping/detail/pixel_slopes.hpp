@@ -35,7 +35,7 @@ struct PixelAxis {
 /// either side; the straighter side counts more, so that beside a crease the surface the pixel lies
 /// on prevails.
 ///
-/// Noise decides what counts: factors in place of branches that nobody could foresee, and loops
+/// Noise decides what counts: factors in place of branches that no predictor foresees, and loops
 /// over the pixels that become vector code.
 inline PixelSlopes pixel_slopes(const PixelAxis& axis, const PixelLanes<std::int32_t>& pixel,
                                 const PixelLanes<std::int32_t>& x, const PixelLanes<float>& reach) {

@@ -75,8 +75,8 @@ struct ProjectiveView {
   }
 };
 
-/// In front of a surface seen at a slant the way along the ray is much longer than the distance to
-/// the surface: up to this many truncations the tangent plane is asked, lest free space at a
-/// grazing angle eats into what it grazes.
+/// In front of a surface seen at a slant the distance along the ray is much longer than the
+/// distance to the surface: up to this many truncations the tangent plane is asked, lest free space
+/// at a grazing angle eats into what it grazes.
 inline constexpr double kSlantReach = 5.0;
 }  // namespace surfleet::detail

@@ -104,7 +104,7 @@ class ScanProjection {
 
  private:
   static constexpr int kMargin = 2;
-  static constexpr int kPad = 2;  ///< How far around a pixel points are looked for.
+  static constexpr int kPad = 2;  ///< How far around a pixel points are sought.
   static constexpr double kPointsPerPixel = 1.5;
   static constexpr float kFewest = 3.0F;  ///< Points that stand in for a pixel without its own.
   static constexpr InversePlanes<1> kNothing{{1.0F / kNoDepth}, {}, {}};

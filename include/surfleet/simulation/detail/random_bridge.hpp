@@ -112,13 +112,13 @@ inline void add_truss_walls(TriangleMesh& mesh, Draw draw, const Layout& b) {
 
 /// Two arches beside the deck that carry it by thin hangers.
 inline void add_arches(TriangleMesh& mesh, Draw draw, const Layout& b) {
-  const double rise = draw.in(0.22, 0.32) * b.length, foot = draw.in(0.0, 0.8) * b.deck;
+  const double rise = draw.in(0.22, 0.32) * b.length, base = draw.in(0.0, 0.8) * b.deck;
   const double radius = draw.in(0.25, 0.4), lean = draw.in(0.0, 0.14), wire = draw.in(0.03, 0.08);
   constexpr int kSteps = 24;
   for (const double side : {-1.0, 1.0}) {
     std::vector<Point3> path;
     for (int k = 0; k <= kSteps; ++k) {
-      const double f = 2.0 * k / kSteps - 1.0, z = foot + rise * (1.0 - f * f);
+      const double f = 2.0 * k / kSteps - 1.0, z = base + rise * (1.0 - f * f);
       path.emplace_back(0.46 * b.length * f,
                         side * (0.5 * b.width + 0.6 - lean * std::max(0.0, z - b.deck)), z);
     }
@@ -139,12 +139,12 @@ inline void add_stays(TriangleMesh& mesh, Draw draw, const Layout& b) {
   for (const double f : twin ? std::vector<double>{-0.25, 0.25} : std::vector<double>{0.0}) {
     const double x = f * b.length, reach = (twin ? 0.23 : 0.45) * b.length;
     for (const double side : {-1.0, 1.0}) {
-      const Point3 foot(x, side * (0.5 * b.width + 0.9), 0), head(x, side * 0.5, height);
-      append(mesh, make_beam(foot, head, 0.8, 0.8));
+      const Point3 base(x, side * (0.5 * b.width + 0.9), 0), head(x, side * 0.5, height);
+      append(mesh, make_beam(base, head, 0.8, 0.8));
       for (int k = 1; k <= stays; ++k)
         for (const double along : {-1.0, 1.0}) {
           const double s = static_cast<double>(k) / stays;
-          append(mesh, make_cylinder(foot + (0.6 + 0.38 * s) * (head - foot),
+          append(mesh, make_cylinder(base + (0.6 + 0.38 * s) * (head - base),
                                      {x + along * reach * s, side * 0.5 * b.width, b.deck - 0.1},
                                      wire, 6));
         }

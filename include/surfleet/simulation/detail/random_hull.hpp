@@ -125,8 +125,8 @@ inline TriangleMesh submarine(Draw draw) {
   for (int k = 0; k < 4; ++k) {
     const double a = 0.5 * kPi * k + (diagonal ? 0.25 * kPi : 0.0);
     const Eigen::Vector3d out(0, std::cos(a), std::sin(a)), across(0, -std::sin(a), std::cos(a));
-    const Point3 foot = Point3(stern, 0, z) + 0.15 * out, end = Point3(stern, 0, z) + reach * out;
-    append(mesh, make_fin({foot + Point3(2.0, 0, 0), foot}, {end + Point3(1.2, 0, 0), end}, across,
+    const Point3 base = Point3(stern, 0, z) + 0.15 * out, end = Point3(stern, 0, z) + reach * out;
+    append(mesh, make_fin({base + Point3(2.0, 0, 0), base}, {end + Point3(1.2, 0, 0), end}, across,
                           0.16));
   }
   for (const double side : {-1.0, 1.0})  // planes of one sheet

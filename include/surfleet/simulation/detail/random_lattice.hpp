@@ -61,13 +61,13 @@ inline void add_truss(TriangleMesh& mesh, std::span<const Ring> rings, const Ste
   }
 }
 
-/// Rings of a mast that narrows from `foot` to `head` (half diagonals) up to `height`.
-inline std::vector<Ring> mast_rings(int corners, double foot, double head, double height,
+/// Rings of a mast that narrows from `base` to `head` (half diagonals) up to `height`.
+inline std::vector<Ring> mast_rings(int corners, double base, double head, double height,
                                     double bend) {
   std::vector<Ring> rings;
   double z = 0.0;
   while (true) {
-    const double f = z / height, r = foot + (head - foot) * std::pow(f, bend);
+    const double f = z / height, r = base + (head - base) * std::pow(f, bend);
     rings.push_back(polygon_ring(corners, r, z, kPi / corners));
     if (z >= height) break;
     z += std::max(1.1, 1.5 * r);
@@ -89,10 +89,10 @@ inline TriangleMesh radio_mast(Draw draw) {
   TriangleMesh mesh;
   const Steel steel = draw_steel(draw("steel"));
   const int corners = draw.whole(3, 4);
-  const double height = draw.in(14.0, 22.0), foot = draw.in(1.8, 2.8), head = draw.in(0.5, 0.8);
+  const double height = draw.in(14.0, 22.0), base = draw.in(1.8, 2.8), head = draw.in(0.5, 0.8);
   const double bend = draw.in(0.6, 1.1);
   const bool crossed = draw.chance(0.6);
-  add_truss(mesh, mast_rings(corners, foot, head, height, bend), steel, crossed);
+  add_truss(mesh, mast_rings(corners, base, head, height, bend), steel, crossed);
   add_platform(mesh, 1.5, draw.in(0.55, 0.7) * height, steel);
   add_platform(mesh, 1.2, height, steel);
   append(mesh, member({0, 0, height}, {0, 0, height + 3.0}, 0.08, Section::round));
@@ -121,8 +121,8 @@ inline TriangleMesh pylon(Draw draw) {
   TriangleMesh mesh;
   const Steel steel = draw_steel(draw("steel"));
   const double height = draw.in(16.0, 22.0), head = 0.6;
-  const double foot = draw.in(2.2, 3.0), bend = draw.in(0.55, 0.8);
-  const auto rings = mast_rings(4, foot, head, height, bend);
+  const double base = draw.in(2.2, 3.0), bend = draw.in(0.55, 0.8);
+  const auto rings = mast_rings(4, base, head, height, bend);
   add_truss(mesh, rings, steel, draw.chance(0.7));
   const int arms = draw.whole(2, 3);
   for (int k = 0; k < arms; ++k) {

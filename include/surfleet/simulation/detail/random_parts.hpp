@@ -158,8 +158,8 @@ inline void add_railing(TriangleMesh& mesh, std::span<const Point3> path, double
     append(mesh, make_cylinder(a + 0.5 * up, b + 0.5 * up, radius, 6));
     const int posts = std::max(1, static_cast<int>((b - a).norm() / pitch));
     for (int k = 0; k < posts; ++k) {
-      const Point3 foot = a + (b - a) * k / posts;
-      append(mesh, make_cylinder(foot, foot + up, radius, 6));
+      const Point3 post = a + (b - a) * k / posts;
+      append(mesh, make_cylinder(post, post + up, radius, 6));
     }
   }
   if (!path.empty()) append(mesh, make_cylinder(path.back(), path.back() + up, radius, 6));

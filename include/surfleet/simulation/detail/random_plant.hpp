@@ -63,14 +63,14 @@ inline TriangleMesh chimneys(Draw draw, double room) {
   TriangleMesh mesh;
   const int count = draw.whole(1, 3);
   for (int k = 0; k < count; ++k) {
-    const double h = draw.in(11.0, 19.0), foot = draw.in(0.8, 1.5),
-                 top = draw.in(0.55, 0.75) * foot;
+    const double h = draw.in(11.0, 19.0), base = draw.in(0.8, 1.5),
+                 top = draw.in(0.55, 0.75) * base;
     const Point3 at((k - 0.5 * (count - 1)) * 0.34 * room, 0, 0);
     const std::array<Point2, 6> profile{
-        Point2(foot, 0),       Point2(top, h - 0.4),  Point2(1.15 * top, h - 0.3),
+        Point2(base, 0),       Point2(top, h - 0.4),  Point2(1.15 * top, h - 0.3),
         Point2(1.15 * top, h), Point2(0.75 * top, h), Point2(0.7 * top, h - 1.5)};
     append(mesh, make_lathe(at, profile, 36));
-    const double z = draw.in(0.55, 0.8) * h, r = foot + (top - foot) * z / h;
+    const double z = draw.in(0.55, 0.8) * h, r = base + (top - base) * z / h;
     append(mesh, make_ring(at + Point3(0, 0, z), 0.9 * r, r + 0.9, 0.12));
     add_railing(mesh, circle(at + Point3(0, 0, z + 0.1), r + 0.8, 10), 1.1, 0.05);
     if (draw.chance(0.4))

@@ -15,10 +15,10 @@ namespace surfleet::detail::random_scene {
 namespace shell {
 /// A hyperboloid on raking struts, open below and above.
 inline TriangleMesh cooling_tower(Draw draw, double thickness) {
-  const double throat = draw.in(4.2, 6.0), foot = throat + draw.in(2.0, 3.5);
+  const double throat = draw.in(4.2, 6.0), base = throat + draw.in(2.0, 3.5);
   const double low = draw.in(2.4, 3.2), height = draw.in(15.0, 20.0), waist = draw.in(0.65, 0.8);
   const double z0 = low + waist * (height - low);
-  const double slope = std::sqrt(foot * foot / (throat * throat) - 1.0) / (z0 - low);
+  const double slope = std::sqrt(base * base / (throat * throat) - 1.0) / (z0 - low);
   std::vector<Point2> profile;
   for (int k = 0; k <= 24; ++k) {
     const double z = low + (height - low) * k / 24;
@@ -29,8 +29,8 @@ inline TriangleMesh cooling_tower(Draw draw, double thickness) {
   for (int k = 0; k < struts; ++k)
     for (const double side : {-0.5, 0.5}) {
       const double step = 2.0 * kPi / struts;
-      append(mesh, make_cylinder(on_circle(foot + 0.5, step * k, 0),
-                                 on_circle(foot - 0.05, step * (k + side), low + 0.1), 0.18, 8));
+      append(mesh, make_cylinder(on_circle(base + 0.5, step * k, 0),
+                                 on_circle(base - 0.05, step * (k + side), low + 0.1), 0.18, 8));
     }
   return mesh;
 }

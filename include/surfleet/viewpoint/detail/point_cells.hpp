@@ -11,7 +11,7 @@
 #include <surfleet/mapping/voxel_grid.hpp>
 
 namespace surfleet::detail {
-/// Numbers kept by position. A query looks at O((radius / edge + 1)³) cells.
+/// Numbers kept by position. A query visits O((radius / edge + 1)³) cells.
 class PointCells {
  public:
   explicit PointCells(double edge) : cells_({.voxel_size = edge}) {}

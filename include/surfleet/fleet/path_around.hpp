@@ -31,9 +31,9 @@ inline std::size_t first_beside(std::span<const Point3> path, std::span<const Po
 /// The roadmap's path from one place to another, or one around the places of `standing` mates that
 /// it would pass within `apart` of [m], over a place beside each; the roadmap's where there is none
 /// around them. Mates within that of either end are passed as they are. Nothing if there is no path
-/// at all. O(48 queries for each mate in the way).
-inline std::optional<Path> way_around(const KindSpace& space, const Point3& from, const Point3& to,
-                                      std::span<const Point3> standing, double apart) {
+/// at all. O(48 queries for each mate passed).
+inline std::optional<Path> path_around(const KindSpace& space, const Point3& from, const Point3& to,
+                                       std::span<const Point3> standing, double apart) {
   constexpr int kSides = 8, kRings = 3;
   std::vector<Point3> obstacles;
   for (const Point3& mate : standing)
@@ -59,7 +59,7 @@ inline std::optional<Path> way_around(const KindSpace& space, const Point3& from
     std::optional<Path> best, rest;
     for (int k = 0; k < kRings * kSides; ++k) {
       if (best && k % kSides == 0) break;  // a nearer ring has one
-      // Who starts near a mate has to pass it farther out.
+      // A robot that starts near a mate has to pass it farther out.
       const double turn = 2.0 * kPi * k / kSides, out = apart * (1.2 + 0.5 * (k / kSides));
       const Point3 beside = obstacles[hit] + out * (std::cos(turn) * u + std::sin(turn) * v);
       if (!space.free.is_free(beside)) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <surfleet/fleet/way_around.hpp>
+#include <surfleet/fleet/path_around.hpp>
 
 #include <algorithm>
 #include <span>
@@ -38,13 +38,13 @@ TEST(paths_keep_clear_of_mates_that_stand) {
   CHECK(straight && straight->length < 5.0);
   for (const auto& standing :
        {std::vector<Point3>{}, std::vector<Point3>{apart}, std::vector<Point3>{at_end}}) {
-    const auto path = way_around(space, from, to, standing, 1.0);
+    const auto path = path_around(space, from, to, standing, 1.0);
     CHECK(path && path->points == straight->points);
   }
   for (const auto& standing :
        {std::vector<Point3>{between}, std::vector<Point3>{between, apart},
         std::vector<Point3>{Point3(-3.5, -1.0, 1.0), Point3(-3.5, 1.2, 1.0)}}) {
-    const auto path = way_around(space, from, to, standing, 1.0);
+    const auto path = path_around(space, from, to, standing, 1.0);
     CHECK(path && path->points.front() == from && path->points.back() == to);
     for (const Point3& mate : standing) CHECK(least_distance(*path, mate) >= 1.0);
     for (std::size_t i = 1; i < path->points.size(); ++i)
@@ -53,15 +53,15 @@ TEST(paths_keep_clear_of_mates_that_stand) {
     CHECK(path->length < straight->length + 1.5 * static_cast<double>(standing.size()));
   }
 }
-TEST(where_there_is_no_way_around_mates_paths_are_as_they_were) {
+TEST(where_no_path_leads_around_mates_paths_are_as_they_were) {
   const Ball ball(1.6);
   const KindSpace& space = ball.belief.space(0);
   const Point3 from(-3.5, -0.9, 1.0), to(-3.5, 0.9, 1.0), between(-3.5, 0.0, 1.0);
   const auto straight = space.roadmap.query(from, to);
   CHECK(straight);
   if (!straight) return;
-  const auto path = way_around(space, from, to, std::vector<Point3>{between}, 0.8);
+  const auto path = path_around(space, from, to, std::vector<Point3>{between}, 0.8);
   CHECK(path && path->points == straight->points);
-  CHECK(!way_around(space, from, Point3(3.5, 0.0, 1.0), std::vector<Point3>{between}, 0.8));
+  CHECK(!path_around(space, from, Point3(3.5, 0.0, 1.0), std::vector<Point3>{between}, 0.8));
 }
 }  // namespace

@@ -35,7 +35,7 @@ struct SurfacePath {
   }
 };
 
-/// A vertex about which a taut path bends.
+/// A vertex about which the shortest path in a strip bends.
 struct StripCorner {
   std::int32_t vertex = -1;
   std::size_t gate = 0;  ///< One that has the vertex at an end.
@@ -91,9 +91,9 @@ inline std::vector<StripCorner> strip_corners(const TriangleMesh& mesh, const Un
 
 /// The shortest path from `start`, in the first triangle, to `goal`, in the last, that stays in the
 /// strip. Also gives its corners if asked. O(n) for most strips.
-inline SurfacePath taut_path_in_strip(const TriangleMesh& mesh, const UnfoldedStrip& strip,
-                                      const SurfacePoint& start, const SurfacePoint& goal,
-                                      std::vector<StripCorner>* corners_out = nullptr) {
+inline SurfacePath shortest_path_in_strip(const TriangleMesh& mesh, const UnfoldedStrip& strip,
+                                          const SurfacePoint& start, const SurfacePoint& goal,
+                                          std::vector<StripCorner>* corners_out = nullptr) {
   SurfacePath path;
   path.triangles = strip.triangles;
   path.start = start;
@@ -110,7 +110,7 @@ inline SurfacePath taut_path_in_strip(const TriangleMesh& mesh, const UnfoldedSt
     const auto gate = strip.gate(mesh, i);
     const Point3& left = mesh.vertices[static_cast<std::size_t>(gate.left_vertex)];
     const Point3& right = mesh.vertices[static_cast<std::size_t>(gate.right_vertex)];
-    double share;  // of the way from left to right
+    double share;  // of the gate from left to right
     if (gate.left == b || gate.left == a) {
       share = 0.0;
     } else if (gate.right == b || gate.right == a) {
@@ -174,11 +174,11 @@ inline void cut_loops(std::vector<std::int32_t>& strip) {
 }
 }  // namespace detail
 
-/// Shortens strips.
-class TautStrips {
+/// Shortens strips by string pulling.
+class StripShortener {
  public:
   /// The walk must outlive it. O(n).
-  explicit TautStrips(const SurfaceWalk& walk)
+  explicit StripShortener(const SurfaceWalk& walk)
       : walk_(&walk), angle_(walk.mesh().vertices.size(), 0.0) {
     const TriangleMesh& mesh = walk.mesh();
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -186,13 +186,13 @@ class TautStrips {
         angle_[static_cast<std::size_t>(mesh.triangles[t][k])] += corner_angle(mesh, t, k);
   }
 
-  /// The taut path of a strip as it is.
+  /// The shortest path in a strip as it is.
   SurfacePath within(std::span<const std::int32_t> triangles, const SurfacePoint& start,
                      const SurfacePoint& goal) const {
     return pulled({triangles.begin(), triangles.end()}, start, goal, nullptr, nullptr);
   }
 
-  /// The taut path of a strip that is moved to the other side of every inner vertex about which
+  /// The shortest path in a strip that is moved to the other side of every inner vertex about which
   /// less than π is left there, until no more can be gained: locally shortest on the surface, and
   /// never longer than the strip's own. Triangles for which `allowed(triangle)` is false are not
   /// entered. O(n) a move; every move shortens the path.
@@ -265,7 +265,7 @@ class TautStrips {
             "strip: expected to begin in the start's triangle and to end in the goal's");
     detail::trim_strip(walk_->mesh(), triangles, start, goal);
     UnfoldedStrip strip = unfold(walk_->mesh(), triangles);
-    SurfacePath path = taut_path_in_strip(walk_->mesh(), strip, start, goal, corners);
+    SurfacePath path = shortest_path_in_strip(walk_->mesh(), strip, start, goal, corners);
     if (strip_out != nullptr) *strip_out = std::move(strip);
     return path;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// @file
-/// @brief The ways of a roadmap that lead beyond what a lattice joins.
+/// @brief The passages of a roadmap that lead beyond what a lattice joins.
 #pragma once
 
 #include <limits>
@@ -11,11 +11,12 @@
 #include <surfleet/motion/reachable_set.hpp>
 
 namespace surfleet {
-/// How long the ways from one place are, for a `FlightLattice` of the roadmap's space to go on
-/// beyond passages too narrow for it. The roadmap must outlive it; holds until the space changes.
-class RoadmapWays {
+/// Lengths of the roadmap's paths from one place, for a `FlightLattice` of its space to go on
+/// beyond passages too narrow for the lattice. The roadmap must outlive it; holds until the space
+/// changes.
+class RoadmapPassages {
  public:
-  RoadmapWays(const LazyPrmStar& roadmap, ReachFrom reach)
+  RoadmapPassages(const LazyPrmStar& roadmap, ReachFrom reach)
       : roadmap_(&roadmap), reach_(std::move(reach)) {}
 
   /// Infinite where there is none, which is told in O(1) of what is not free [m].
