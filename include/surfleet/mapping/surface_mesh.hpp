@@ -132,16 +132,18 @@ class PatchMesher {
         inside.size(), options_.threads,
         [&](std::size_t i) {
           const Point3& v = facing.vertices[i];
+          inside[i] = -reach;
           const auto near = wanted.nearest(v, 2.0 * reach);
+          if (!near) return;
+          inside[i] = reach - near->distance();
           Point3 sum = Point3::Zero();
           double count = 0.0;
           around.for_each_within(v, support, [&](const Neighbor& n) {
             sum += places[static_cast<std::size_t>(n.index)];
             count += 1.0;
           });
-          inside[i] =
-              near ? std::min(reach - near->distance(), kRim * support - (sum / count - v).norm())
-                   : -reach;
+          if (count > 0.0)
+            inside[i] = std::min(inside[i], kRim * support - (sum / count - v).norm());
         },
         256);
     return clipped(facing, inside);
