@@ -16,3 +16,14 @@ def ratio(pairs, of):
 
 def number(value, digits=0, scale=1.0):
     return "–" if value is None else f"{value * scale:.{digits}f}"
+
+
+def ranges(numbers):
+    """1, 2, 3, 5 as 1–3, 5."""
+    runs = []
+    for n in sorted(numbers):
+        if runs and runs[-1][-1] == n - 1:
+            runs[-1].append(n)
+        else:
+            runs.append([n])
+    return ", ".join(str(r[0]) if len(r) == 1 else f"{r[0]}–{r[-1]}" for r in runs)
