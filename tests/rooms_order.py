@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """A room includes only rooms above it in the README's table, and none includes adapters.
 
-    rooms_order.py README.md include/surfleet [--lines MOST]
+    rooms_order.py README.md include/surfleet [--lines MOST] [--only HEADER]
 
-Headers longer than MOST lines are refused, too.
+Headers longer than MOST lines are refused, too. With --only, says how long HEADER is with all that no other
+header needs, those of whole rooms aside.
 """
 import argparse
 import pathlib
@@ -15,6 +16,7 @@ parser = argparse.ArgumentParser()
 parser.add_argument("readme")
 parser.add_argument("headers")
 parser.add_argument("--lines", type=int, default=None)
+parser.add_argument("--only", default=None)
 args = parser.parse_args()
 
 rooms = re.findall(r"^\| `(\w+)` \|", pathlib.Path(args.readme).read_text(encoding="utf-8"), re.M)
@@ -24,19 +26,30 @@ wrong = []
 for room in sorted(path.name for path in root.iterdir() if path.is_dir()):
     if room not in rooms:
         wrong.append(f"{room}: not in the table of rooms")
-lengths = []
+lengths, users = {}, {}
 for header in sorted(root.glob("*/**/*.hpp")):
     text = header.read_text(encoding="utf-8")
-    room = header.relative_to(root).parts[0]
-    lengths.append(text.count("\n"))
-    if args.lines and lengths[-1] > args.lines:
-        wrong.append(f"{header}: {lengths[-1]} lines; expected at most {args.lines}")
+    name = header.relative_to(root)
+    room = name.parts[0]
+    lengths[str(name)] = text.count("\n")
+    for used in re.findall(r"#include <surfleet/([^>]+)>", text):
+        users.setdefault(used, set()).add(str(name))
+    if args.lines and lengths[str(name)] > args.lines:
+        wrong.append(f"{header}: {lengths[str(name)]} lines; expected at most {args.lines}")
     for included in re.findall(r"#include <surfleet/(\w+)[/.]", text):
         if included not in rooms or room not in rooms:
             continue
         below = rooms.index(included) > rooms.index(room)
         if below or (included == "adapters" and room != "adapters"):
             wrong.append(f"{header}: includes {included}, which stands below {room}")
-print(f"{len(lengths)} headers, {statistics.median(lengths):.0f} lines in the median, {max(lengths)} at most")
+print(f"{len(lengths)} headers, {statistics.median(lengths.values()):.0f} lines in the median, "
+      f"{max(lengths.values())} at most")
+if args.only:
+    if args.only not in lengths:
+        sys.exit(f"--only {args.only}: no such header")
+    own = {args.only}
+    while more := {h for h, by in users.items() if h in lengths and h not in own and by <= own}:
+        own |= more
+    print(f"{args.only}: {sum(lengths[h] for h in own)} lines in {len(own)} headers")
 print("\n".join(wrong))
 sys.exit(1 if wrong or not rooms else 0)
