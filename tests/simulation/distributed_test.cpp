@@ -133,7 +133,9 @@ struct FindsNothing {
   Plan operator()(const SurfaceSituation& s) const {
     if (std::any_of(s.team.begin(), s.team.end(), [](const RobotState& r) { return !r.idle; }))
       asked->push_back(s.time);
-    return {};
+    Plan plan;
+    for (const RobotId id : s.asked) plan.routes[id];
+    return plan;
   }
 };
 TEST(a_robot_without_work_asks_now_and_then_while_others_work) {
