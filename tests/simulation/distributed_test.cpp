@@ -127,6 +127,30 @@ TEST(what_one_robot_viewed_in_vain_no_other_views) {
     for (RobotId id = 0; id < 3; ++id) CHECK(simulation.robot(id).belief().ledger() == all);
   }
 }
+/// Finds nothing, and notes when it was asked while a mate had work.
+struct FindsNothing {
+  std::vector<double>* asked;
+  Plan operator()(const SurfaceSituation& s) const {
+    if (std::any_of(s.team.begin(), s.team.end(), [](const RobotState& r) { return !r.idle; }))
+      asked->push_back(s.time);
+    Plan plan;
+    for (const RobotId id : s.asked) plan.routes[id];
+    return plan;
+  }
+};
+TEST(a_robot_without_work_asks_now_and_then_while_others_work) {
+  box_world::World world;
+  std::vector<double> asked;
+  DistributedSimulation<box_world::World> simulation(
+      box_world::options(world), {}, world, box_world::starts(2), [&](RobotId id) -> AnyPlanner {
+        if (id == 1) return FindsNothing{&asked};
+        return make_planner("tsga", {.standoff = 2.0});
+      });
+  const DistributedResult r = simulation.run();
+  CHECK(r.mission.complete && r.maps_equal && r.mission.coverage.share() > 0.9);
+  CHECK(asked.size() > 3);
+  for (std::size_t k = 1; k < asked.size(); ++k) CHECK(asked[k] - asked[k - 1] > 1.99);
+}
 TEST(a_fleet_that_hears_along_lines_of_sight_ends_with_equal_maps) {
   const DistributedResult r = fly(3, {.network = {.line_of_sight = true}});
   CHECK(r.mission.complete && r.maps_equal && r.mission.coverage.share() > 0.9);

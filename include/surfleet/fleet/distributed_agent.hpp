@@ -199,7 +199,7 @@ class DistributedAgent {
       agent_.give_up_to_others(now_);
     }
     const bool at_rest = agent_.at_rest();
-    if (!agent_.asks(now_) && (!at_rest || requests_.up_to_date(belief_))) return;
+    if (!agent_.asks(now_) && !(at_rest && finds_news())) return;
     std::vector<RobotState> team = team_;
     team.push_back(agent_.state(now_));
     std::sort(team.begin(), team.end(),
@@ -209,6 +209,15 @@ class DistributedAgent {
       if (r.id == id_ || (r.idle && !r.first)) asked.push_back(r.id);
     Plan plan = requests_(belief_, asked, team, agent_.departures(), at_rest, now_);
     agent_.accept(std::move(plan.routes[id_]), plan.replan, now_);
+    planned_ = now_;
+  }
+  /// Whether a robot at rest should ask again, as mates have told of more: some time after it last
+  /// did while they work, and at once when none does, as all may have come to the end.
+  bool finds_news() const {
+    if (requests_.up_to_date(belief_)) return false;
+    return now_ >= planned_ + kNextQuestion ||
+           std::all_of(team_.begin(), team_.end(),
+                       [](const RobotState& mate) { return mate.idle; });
   }
   /// A mate not heard of late is anywhere near its path, as far as it may have come.
   TrafficAgent swollen(const RobotState& mate) const {
@@ -219,6 +228,7 @@ class DistributedAgent {
 
   static constexpr double kMostSwollen = 5.0;                      ///< [m]
   static constexpr double kFirstEstimate = 1.0, kEstimates = 1.1;  ///< [s], and a factor
+  static constexpr double kNextQuestion = 2.0;  ///< Of a robot at rest whose mates work [s].
 
   RobotId id_;
   std::uint32_t kind_;  // as of `kind_number`
@@ -238,6 +248,7 @@ class DistributedAgent {
   std::uint32_t said_ = 0;
   std::size_t redundant_stops_ = 0;
   double next_estimate_ = 0.0;  // [s]
+  double planned_ = 0.0;        // when it last asked [s]
   bool leaving_ = false;        // as all have agreed that nothing is left
 };
 }  // namespace surfleet
