@@ -97,7 +97,7 @@ int run(int argc, char** argv) {
     std::printf("  %.1f m at work; about %.1f m^2 of surface known to be there were left\n",
                 run.result.total_path_at_work(), run.result.left_area);
   if (const auto& left = run.result.left_out)
-    std::printf("  going on would have gained %.1f m^2 in the next %.1f m, by its own estimate\n",
+    std::printf("  going on would have gained %.1f m^2 in %.1f m, by its own estimate\n",
                 left->gain, left->distance);
   std::printf("  coverage %.1f %%, RMSE %.2f cm, M3C2 %.2f +- %.2f cm\n",
               100.0 * m.surface_coverage, 100.0 * m.rmse_m, 100.0 * m.m3c2_mean_m,

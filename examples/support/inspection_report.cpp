@@ -74,7 +74,7 @@ nlohmann::json inspection_metrics(const InspectionSettings& s, const InspectionS
   nlohmann::json stop_reasons = nlohmann::json::array();
   for (const StopReason r : run.result.stop_reasons)
     stop_reasons.push_back(std::string(name_of(r)));
-  const std::optional<Outlook>& left_out = run.result.left_out;
+  const std::optional<Yield>& left_out = run.result.left_out;
   nlohmann::json metrics{
       {"scene", site.scene.name},
       {"planner", s.planner},
@@ -186,12 +186,14 @@ void write_judgement(const std::filesystem::path& out, const InspectionSettings&
   const std::vector<KeyFigure> key{
       {"surface coverage", format_number(100.0 * m.surface_coverage, 1) + " %",
        "of what could be seen, side by side"},
-      {"total path", format_number(run.result.total_path_length(), 1) + " m", ""},
+      {"total path", format_number(run.result.total_path_length(), 1) + " m",
+       format_number(run.result.total_path_at_work(), 1) + " m without flights home"},
       {"completion time", format_minutes(run.result.completion_time), "min:s"},
       {"RMSE", format_number(100.0 * m.rmse_m, 2) + " cm", "M3C2 over what is covered"},
       {"collisions", std::to_string(judged.paths.collisions),
        "least clearance " + format_number(judged.paths.min_clearance_m, 2) + " m"},
-      {"elements left", std::to_string(run.result.remaining), "reasons below"}};
+      {"elements left", std::to_string(run.result.remaining),
+       run.result.remaining > 0 ? "reasons below" : ""}};
   report.add_key_figures(key);
   const Box3 box = site.scene.structure().bounds();
   report.add_picture(view_of(run.reconstruction, box, radians(-55.0), run.paths(), false),
@@ -226,10 +228,16 @@ void write_judgement(const std::filesystem::path& out, const InspectionSettings&
     }
     report.add_table(comparison_table(s.preset, own));
   }
-  Table left{.caption = "Incomplete elements left, by reason", .columns = {"reason", "elements"}};
-  for (const auto& [reason, count] : run.result.reasons)
-    left.add_row({std::string(name_of(reason)), std::to_string(count)});
-  report.add_table(left);
+  if (run.result.left_out || run.result.remaining > 0) {
+    Table left{.caption = "What is left", .columns = {"what", "how much"}};
+    if (const auto& out_of = run.result.left_out)
+      left.add_row(
+          {"going on would have gained, by the planner's estimate",
+           format_number(out_of->gain, 1) + " m² in " + format_number(out_of->distance, 1) + " m"});
+    for (const auto& [reason, count] : run.result.reasons)
+      left.add_row({"incomplete elements: " + std::string(name_of(reason)), std::to_string(count)});
+    report.add_table(left);
+  }
   Table all{.caption = "Metrics (metrics.json)", .columns = {"key", "value"}};
   for (const auto& [key_name, value] : metrics.items()) all.add_row({key_name, value.dump()});
   report.add_table(all);

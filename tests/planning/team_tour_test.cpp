@@ -567,20 +567,21 @@ TEST(a_gimbal_views_what_is_above_its_shaft) {
 TEST(the_beginning_of_a_route_that_pays_best_counts) {
   Random random(7);
   for (int round = 0; round < 200; ++round) {
-    BestBeginning best;
+    Outlook outlook;
     double gain = 0.0, distance = 0.0, most = 0.0;
     for (int k = 0; k < 6; ++k) {
       const double g = random.uniform(0.0, 5.0), w = random.uniform(0.1, 9.0);
-      best.add(g, w);
+      outlook.add(g, w);
       gain += g;
       distance += w;
       most = std::max(most, gain / distance);
     }
-    CHECK_NEAR(best.outlook().gain / best.outlook().distance, most, 1e-12);
+    CHECK_NEAR(outlook.best().gain / outlook.best().distance, most, 1e-12);
+    CHECK(outlook.whole().gain == gain && outlook.whole().distance == distance);
   }
-  BestBeginning at_once;  // what takes no flight pays more than anything that does
+  Outlook at_once;  // what takes no flight pays more than anything that does
   at_once.add(1e-3, 0.0);
   at_once.add(1e3, 1.0);
-  CHECK(at_once.outlook().distance == 0.0);
+  CHECK(at_once.best().distance == 0.0);
 }
 }  // namespace

@@ -66,7 +66,7 @@ class PlanRequests {
 
   /// What the routes that the last plan left out, as they did not pay, would have brought; nothing
   /// if there were none.
-  const std::optional<Outlook>& left_out() const { return left_out_; }
+  const std::optional<Yield>& left_out() const { return left_out_; }
   /// The elements that the last plan had no view of.
   const std::vector<std::pair<VoxelIndex, LeftReason>>& impossible() const { return impossible_; }
   std::size_t plans() const { return plans_; }
@@ -79,14 +79,14 @@ class PlanRequests {
                                            const Stops& route) {
     const double area = s.belief.voxel_size() * s.belief.voxel_size();
     Point3 here = s.robot(id).at.position;
-    BestBeginning best;
+    Outlook outlook;
     for (const Stop& stop : route) {
       if (stop.targets.empty()) return std::nullopt;
-      best.add(area * static_cast<double>(stop.targets.size()),
-               (stop.configuration.position - here).norm());
+      outlook.add(area * static_cast<double>(stop.targets.size()),
+                  (stop.configuration.position - here).norm());
       here = stop.configuration.position;
     }
-    return best.outlook();
+    return outlook;
   }
   void leave_out_what_does_not_pay(const SurfaceSituation& s, Plan& plan) {
     left_out_.reset();
@@ -96,15 +96,15 @@ class PlanRequests {
       const auto told = plan.outlook.find(id);
       const auto outlook =
           told != plan.outlook.end() ? std::optional(told->second) : by_targets(s, id, route);
-      if (!outlook || outlook->gain >= least_gain * outlook->distance) continue;
+      if (!outlook || outlook->best().gain >= least_gain * outlook->best().distance) continue;
       if (!left_out_) left_out_.emplace();
-      left_out_->gain += outlook->gain;
-      left_out_->distance += outlook->distance;
+      left_out_->gain += outlook->whole().gain;
+      left_out_->distance += outlook->whole().distance;
       route.clear();
     }
   }
 
-  std::optional<Outlook> left_out_;
+  std::optional<Yield> left_out_;
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;
   std::uint64_t planned_revision_ = ~std::uint64_t{0};
   bool nothing_planned_ = false;

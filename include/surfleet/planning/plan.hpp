@@ -85,25 +85,27 @@ struct ReplanRule {
   bool watch_on = false;
 };
 
-/// What is expected of a route and of what would follow it, by the planner: the beginning of it
-/// that pays best.
-struct Outlook {
+/// What a flight is expected to bring.
+struct Yield {
   double gain = 0.0;      ///< New surface [m²].
   double distance = 0.0;  ///< To be flown for it [m].
 };
-/// Which beginning of a route pays best: the most gain for a metre.
-class BestBeginning {
+/// What is expected of a route and of what would follow it, by the planner.
+class Outlook {
  public:
+  /// The next stop of the tour.
   void add(double gain, double distance) {
-    so_far_.gain += gain;
-    so_far_.distance += distance;
-    if (!any_ || so_far_.gain * best_.distance > best_.gain * so_far_.distance) best_ = so_far_;
+    whole_.gain += gain;
+    whole_.distance += distance;
+    if (!any_ || whole_.gain * best_.distance > best_.gain * whole_.distance) best_ = whole_;
     any_ = true;
   }
-  const Outlook& outlook() const { return best_; }
+  /// The beginning of the tour that pays best: the most gain for a metre.
+  const Yield& best() const { return best_; }
+  const Yield& whole() const { return whole_; }
 
  private:
-  Outlook so_far_, best_;
+  Yield whole_, best_;
   bool any_ = false;
 };
 

@@ -211,13 +211,13 @@ class RollingTours {
   }
   static Outlook outlook_of(std::span<const TeamTourStop> tour, const TourStart& start,
                             std::span<const Point3> sites) {
-    BestBeginning best;
+    Outlook outlook;
     for (std::size_t k = 0; k < tour.size(); ++k) {
       const std::size_t s = tour[k].site;
-      best.add(tour[k].gain,
-               k == 0 ? start.distance[s] : (sites[tour[k - 1].site] - sites[s]).norm());
+      outlook.add(tour[k].gain,
+                  k == 0 ? start.distance[s] : (sites[tour[k - 1].site] - sites[s]).norm());
     }
-    return best.outlook();
+    return outlook;
   }
 
   /// The nodes that may be reached by each robot asked for, in the order of their distance; last

@@ -110,9 +110,9 @@ struct MissionResult {
   std::vector<double> path_length;                            ///< One a robot [m].
   std::vector<double> path_at_work;      ///< The same without the flights home at the end [m].
   std::vector<StopReason> stop_reasons;  ///< One a robot.
-  /// What its planner expected of going on, for every robot the beginning of its tour that pays
-  /// best; nothing if it found nothing more to do.
-  std::optional<Outlook> left_out;
+  /// What its planner expected of going on, by the whole tours of all robots; nothing if it found
+  /// nothing more to do.
+  std::optional<Yield> left_out;
   double left_area = 0.0;                     ///< Of elements still to be planned for [m²].
   std::size_t remaining = 0;                  ///< Incomplete elements at the end.
   CoverageEstimate coverage;                  ///< By its own account, at the end.
