@@ -209,6 +209,34 @@ TEST(the_nearest_holder_is_asked_then_the_next_then_after_a_pause_again) {
   CHECK(robot.missing() == 0 && robot.holds(key) && robot.take_arrived().size() == 1);
 }
 
+TEST(one_that_misses_much_is_served_by_all_that_have_it) {
+  constexpr std::size_t kPatches = 400, kMates = 4;
+  const PatchSyncOptions options{.requests = 8, .answer_bytes = 1};  // one patch a `speak`
+  Team team = team_of(kMates + 1, options);
+  team[0].distance = [](RobotId mate) { return 1.0 + mate; };
+  for (std::uint32_t k = 0; k < kPatches; ++k)
+    for (RobotId r = 1; r <= kMates; ++r)
+      team[r].hear(from(9, {MessageKind::patch, {}, encode_patch(small_patch({9, 0, k})).bytes}),
+                   0.0);
+  std::array<std::size_t, kMates + 1> sent{};
+  int tick = 0;
+  for (; tick < 1000 && team[0].held().size() < kPatches; ++tick) {
+    std::vector<std::pair<RobotId, Outgoing>> said;
+    for (RobotId r = 0; r <= kMates; ++r)
+      for (Outgoing& o : team[r].speak(0.25 * tick)) {
+        if (o.kind == MessageKind::patch) ++sent[r];
+        said.emplace_back(r, std::move(o));
+      }
+    for (const auto& [r, o] : said)
+      for (RobotId to = 0; to <= kMates; ++to)
+        if (to != r && (!o.to || *o.to == to)) team[to].hear(from(r, o), 0.25 * tick);
+  }
+  CHECK(all_equal(team) && team[0].held().size() == kPatches);
+  for (RobotId r = 1; r <= kMates; ++r) CHECK(sent[r] >= kPatches / kMates / 2);
+  CHECK(tick <= 3 * static_cast<int>(kPatches / kMates) / 2);
+  CHECK(team[0].counts().duplicates <= kPatches / 20);
+}
+
 TEST(the_first_content_of_a_name_stays) {
   PatchSync<> robot(0);
   const auto patch = [](std::uint32_t content) {

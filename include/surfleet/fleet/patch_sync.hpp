@@ -5,7 +5,8 @@
 ///
 /// A robot that closes a patch sends it once. All say from time to time, and soon after a change,
 /// what they hold; one that misses something asks the nearest that has it, after a time the next.
-/// One request a patch is out at a time; when all were asked, it waits longer and longer.
+/// One request a patch is out at a time; when all were asked, it waits longer and longer. A mate
+/// that is asked for enough already is passed over, so that who misses much is served by all.
 #pragma once
 
 #include <algorithm>
@@ -256,16 +257,24 @@ class PatchSync {
         mate.response ? *mate.response + 4.0 * mate.deviation : options_.first_timeout,
         options_.least_timeout, options_.longest_timeout);
   }
-  /// The nearest mate that has the patch and was not asked in this round.
+  bool claims(const Mate& mate, const PatchKey& key, double now) const {
+    return now - mate.heard <= options_.silence && mate.holds.contains(key);
+  }
+  bool held_by_any(const PatchKey& key, double now) const {
+    return std::any_of(mates_.begin(), mates_.end(),
+                       [&](const auto& mate) { return claims(mate.second, key, now); });
+  }
+  /// The nearest mate that has the patch, was not asked in this round and is not among the busy.
   std::optional<RobotId> holder(const PatchKey& key, const Want& want, double now,
-                                bool& held) const {
+                                const std::map<RobotId, std::size_t>& under_way = {}) const {
     std::optional<RobotId> best;
     double least = std::numeric_limits<double>::infinity();
     for (const auto& [id, mate] : mates_) {
-      if (now - mate.heard > options_.silence || !mate.holds.contains(key)) continue;
-      held = true;
+      if (!claims(mate, key, now)) continue;
       if (const auto t = want.tries.find(id);
           t != want.tries.end() && t->second.round == want.round)
+        continue;
+      if (const auto n = under_way.find(id); n != under_way.end() && n->second >= options_.requests)
         continue;
       const double d = distance ? distance(id) : 0.0;
       if (best && !(d < least)) continue;
@@ -283,9 +292,7 @@ class PatchSync {
       if (want.asked) {
         ++under_way[*want.asked];
       } else {
-        bool held = false;
-        const bool found = holder(it->first, want, now, held).has_value();
-        if (!held) {  // until a mate says again to have it
+        if (!held_by_any(it->first, now)) {  // until a mate says again to have it
           it = wanted_.erase(it);
           continue;
         }
@@ -293,7 +300,7 @@ class PatchSync {
           ++it;
           continue;
         }
-        if (!found) {
+        if (!holder(it->first, want, now)) {
           want.pause = std::min(std::max(2.0 * want.pause, options_.least_timeout),
                                 options_.longest_timeout);
           want.next_try = now + want.pause;
@@ -309,15 +316,14 @@ class PatchSync {
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     std::map<RobotId, PatchIdSet> requests;
     for (const auto& [since, key] : due) {
-      bool held = false;
       Want& want = wanted_.at(key);
-      const RobotId mate = *holder(key, want, now, held);
-      if (under_way[mate] >= options_.requests) continue;
+      const std::optional<RobotId> mate = holder(key, want, now, under_way);
+      if (!mate) continue;
       want.asked = mate;
-      want.tries[mate] = {now, want.round};
-      want.deadline = now + timeout(mates_.at(mate));
-      requests[mate].insert(key);
-      ++under_way[mate];
+      want.tries[*mate] = {now, want.round};
+      want.deadline = now + timeout(mates_.at(*mate));
+      requests[*mate].insert(key);
+      ++under_way[*mate];
     }
     for (const auto& [to, set] : requests) {
       ByteWriter body;
