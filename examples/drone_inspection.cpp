@@ -30,9 +30,11 @@ Arguments arguments(int argc, char** argv) {
       "One drone or a fleet reconstructs a structure it does not know.\n"
       "Writes metrics.json, reconstruction.ply, points.ply, trajectory_K.tum, map.sfm and "
       "report.html "
-      "to --out.\nExit status: 0 done, 2 input refused, 3 ended early.");
+      "to --out.\nExit status: 0 complete, or ended as it was asked to; 2 input refused; 3 ended "
+      "early, as by --max-time.");
   Arguments a;
   InspectionOptions options(app);
+  app.begin_group("Results");
   app.add("--save-images", options.settings.save_images,
           "folder for the depth images and their poses, as fuse_depth reads them");
   app.add("--out", a.out, "folder for the results");

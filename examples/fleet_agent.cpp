@@ -71,8 +71,11 @@ Arguments arguments(int argc, char** argv) {
       "body.\nRobots find each other over the network (Cyclone DDS), share what they map, and end "
       "with the same map.\nWrites trajectory.tum and agent.json while it flies, and map.sfm, "
       "reconstruction.ply, points.ply and\nmetrics.json at its end to --out. With --collect, puts "
-      "together and judges what all have left.\nExit status: 0 done, 2 input refused, 3 ended "
-      "early.");
+      "together and judges what all have left.\nExit status: 0 complete, or ended as it was asked "
+      "to "
+      "(of --collect: every robot of the team,\nwith equal maps); 2 input refused; 3 ended early, "
+      "as "
+      "by --max-time.");
   Arguments a;
   app.begin_group("Team");
   app.add("--id", a.id, "of this robot, from 1 to --robots");
@@ -168,7 +171,7 @@ class FlyingAgent {
   using Body = SimulatedDrone<AnyWorld>;
 
   FlyingAgent(const Arguments& a, const InspectionSite& site, const InspectionInputs& inputs,
-              std::shared_ptr<DdsTeam> team, const TeamAgreement& agreed)
+              std::shared_ptr<DdsTeam> team, const TeamAgreement& agreed, const SpentCharge& spent)
       : id_(a.robot()),
         options_(mission_options(a.settings, site)),
         world_(site.world(a.settings)),
@@ -177,7 +180,7 @@ class FlyingAgent {
         any_world_(lidar_world_ ? AnyWorld(*lidar_world_) : AnyWorld(world_)),
         fleet_(places(a, site)),
         body_(any_world_, id_, fleet_, options_.kind.limits, options_.neighbours),
-        robot_(id_, options_.kind, body_, options_.belief, agent_options(),
+        robot_(id_, options_.kind, body_, options_.belief, agent_options(spent),
                options_.start_clearance,
                make_planner(a.settings.planner, a.settings.planner_settings()),
                limited(distributed(inputs.distributed.agent, agreed), options_.limits),
@@ -271,8 +274,12 @@ class FlyingAgent {
       idle_ = Idle{*end_.since(), network_.bytes_sent(id_), resident_memory()};
     idle_until_ = now;
   }
-  AgentOptions agent_options() {
-    options_.agent.endurance = options_.limits.endurance;
+  /// One whose charge is spent goes home at once.
+  AgentOptions agent_options(const SpentCharge& spent) {
+    constexpr double kNothing = 1e-6;
+    EnduranceLimits& left = options_.agent.endurance = options_.limits.endurance;
+    if (left.distance) left.distance = std::max(kNothing, *left.distance - spent.distance);
+    if (left.time) left.time = std::max(kNothing, *left.time - spent.time);
     return options_.agent;
   }
   static DistributedAgentOptions distributed(DistributedAgentOptions o,
@@ -374,7 +381,9 @@ int fly(const Arguments& a) {
                             .note = agreed.note(),
                             .security = a.security,
                             .lost_packets = a.lost_packets});
-  FlyingAgent agent(a, site, inputs, team, agreed);  // with keys, silent robots are not found
+  const SpentCharge spent = spent_before(a.out, a.id);
+  FlyingAgent agent(a, site, inputs, team, agreed,
+                    spent);  // with keys, silent robots are not found
   cli::watch_interrupts();
   const std::optional<double> found = meet(*team, agreed, a.join);
   const auto out = cli::prepare_output_folder(a.out);
@@ -411,6 +420,8 @@ int fly(const Arguments& a) {
   write_results(out, a, site, agent,
                 {{"wall_time_s", seconds_since(started)},
                  {"late_steps", pace.late()},
+                 {"spent_before_m", spent.distance},
+                 {"spent_before_s", spent.time},
                  {"found_team_s", found ? nlohmann::json(*found) : nlohmann::json()}});
   const MissionResult& m = agent.result();
   std::printf("robot %d: %s, path %.1f m, time %.0f s, %zu incomplete elements left\n", a.id,
@@ -432,17 +443,25 @@ int collect(const Arguments& a) {
   write_inspection(out, c.run);
   write_judgement(out, s, site, c.run, c.judged, {}, c.more);
   const ReconstructionMetrics& m = c.judged.evaluation.metrics;
-  std::printf(
-      "%s: %s, %zu robots, maps %s, %zu lost\n", c.run.result.complete ? "complete" : "ended early",
-      site.scene.name.c_str(), c.run.result.path_length.size(),
-      c.run.distributed->maps_equal ? "equal" : "not equal", c.run.distributed->lost.size());
+  std::printf("%s: %s, %zu of %d robots, maps %s\n",
+              c.run.result.complete ? "complete"
+              : c.ended_well()      ? "enough"
+                                    : "ended early",
+              site.scene.name.c_str(), c.run.result.path_length.size(), s.robots,
+              c.run.distributed->maps_equal ? "equal" : "not equal");
+  const auto name_them = [](const std::vector<int>& robots, const char* what) {
+    for (const int id : robots) std::printf("  robot %d %s\n", id, what);
+  };
+  name_them(c.missing, "is missing: none of the folders is its own");
+  name_them(c.killed, "was lost: it has left a path and no end");
+  name_them(c.early, "ended early");
   std::printf("  path %.1f m, time %.0f s, coverage %.1f %%, RMSE %.2f cm, collisions %d\n",
               c.run.result.total_path_length(), c.run.result.completion_time,
               100.0 * m.surface_coverage, 100.0 * m.rmse_m, c.judged.paths.collisions);
   if (const std::string doubt = doubts(c.judged); !doubt.empty())
     std::fprintf(stderr, "fleet_agent: %s\n", doubt.c_str());
   std::printf("  see %s\n", (out / "report.html").c_str());
-  return c.run.result.complete ? cli::kDone : cli::kIncomplete;
+  return c.ended_well() ? cli::kDone : cli::kIncomplete;
 }
 }  // namespace
 

@@ -5,7 +5,7 @@
 /// agent.json (which robot it is) and trajectory.tum (stamps of Unix time) are there while it
 /// flies; map.sfm, reconstruction.ply, points.ply and metrics.json come at its end. A robot that is
 /// started again in the folder of one that did not come to an end keeps that one's path as
-/// trajectory_before_K.tum.
+/// trajectory_before_K.tum, and has so much less of its charge.
 #pragma once
 
 #include <algorithm>
@@ -84,7 +84,6 @@ struct AgentFolder {
   std::vector<Trajectory> flights;        ///< The first first; none is empty.
 
   int id() const { return about.at("id").get<int>(); }
-  bool complete() const { return metrics && metrics->value("complete", false); }
   bool has_map() const {
     std::error_code ec;
     return metrics && std::filesystem::exists(path / "map.sfm", ec);
@@ -117,6 +116,31 @@ inline AgentFolder read_agent_folder(const std::filesystem::path& folder) {
     fly(earlier_trajectory(folder, k));
   fly(folder / "trajectory.tum");
   return f;
+}
+
+/// What a robot's charge has given before its process was started anew.
+struct SpentCharge {
+  double distance = 0.0;  ///< [m]
+  double time = 0.0;      ///< In the air, of the mission's clock [s].
+};
+/// Of the flights in a folder whose robot did not come to an end; nothing if that is another's, or
+/// none's. Throws `Error` for one that cannot be read.
+inline SpentCharge spent_before(const std::filesystem::path& folder, int id) {
+  SpentCharge spent;
+  std::error_code ec;
+  if (!std::filesystem::exists(folder / "agent.json", ec) ||
+      std::filesystem::exists(folder / "metrics.json", ec))
+    return spent;
+  const AgentFolder before = read_agent_folder(folder);
+  if (before.id() != id) return spent;
+  const double speed_up = before.about.value("speed_up", 1.0);
+  for (const Trajectory& t : before.flights) {
+    for (std::size_t i = 1; i < t.size(); ++i)
+      spent.distance +=
+          (t[i].T_world_body.translation() - t[i - 1].T_world_body.translation()).norm();
+    spent.time += speed_up * (t.back().time - t.front().time);
+  }
+  return spent;
 }
 
 /// Where a robot with these flights is at a time [s]: between its stamps on a line, after a flight

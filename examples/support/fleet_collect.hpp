@@ -26,6 +26,14 @@ struct CollectedFleet {
   InspectionRun run;
   InspectionJudgement judged;
   nlohmann::json more;  ///< Keys that only a fleet of processes has.
+  /// Robots of the team that are no part of its end, from 1 on: with no folder; with no end, as
+  /// they were killed; with an end that nobody asked for, as by a signal or `--max-time`.
+  std::vector<int> missing, killed, early;
+
+  /// Whether every robot of the team stopped for a reason that was asked for, with the same map.
+  bool ended_well() const {
+    return missing.empty() && killed.empty() && early.empty() && run.distributed->maps_equal;
+  }
 };
 
 namespace fleet_collect {
@@ -37,9 +45,10 @@ inline void add_to(nlohmann::json& sum, const nlohmann::json& value) {
     sum = (sum.is_number_unsigned() ? sum.get<std::uint64_t>() : 0) + value.get<std::uint64_t>();
   }
 }
-inline StopReason reason_of(const nlohmann::json& metrics) {
-  const std::string name = metrics.value("stop_reason", "");
-  for (const StopReason r : {StopReason::complete, StopReason::endurance})
+/// Why a robot stopped, as it says itself; `ended` if it says nothing known.
+inline StopReason reason_of(const AgentFolder& folder) {
+  const std::string name = folder.metrics->value("stop_reason", "");
+  for (const StopReason r : kStopReasons)
     if (name == name_of(r)) return r;
   return StopReason::ended;
 }
@@ -73,6 +82,9 @@ inline std::vector<AgentFolder> read_agent_folders(const std::vector<std::string
       require(
           about.contains(key) && about[key] == first[key],
           name + ": another " + key + " than " + names[0] + "; expected folders of one mission");
+    require(folders.back().id() <= s.robots,
+            name + ": of robot " + std::to_string(folders.back().id()) + "; expected 1 to " +
+                std::to_string(s.robots) + ", as --robots says");
   }
   const nlohmann::json& about = folders.front().about;
   const auto expect = [&](const char* key, const nlohmann::json& ours, const char* option) {
@@ -87,8 +99,9 @@ inline std::vector<AgentFolder> read_agent_folders(const std::vector<std::string
   return folders;
 }
 
-/// The maps of all that came to an end are compared voxel for voxel, and the first is judged. A
-/// robot without a complete end is lost. Throws `Error` where nothing was flown.
+/// The maps of all that came to an end are compared voxel for voxel, and that of one which ended
+/// for a reason that was asked for is judged, if there is one. The mission is complete if every
+/// robot of the team is. Throws `Error` where nothing was flown.
 inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
                                     const InspectionSettings& s, const InspectionSite& site) {
   namespace fc = fleet_collect;
@@ -104,7 +117,8 @@ inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
     auto& of = flights[f.id()];
     of.insert(of.end(), f.flights.begin(), f.flights.end());
     const AgentFolder*& end = ends[f.id()];
-    if (end == nullptr || (!end->complete() && f.metrics)) end = &f;
+    if (end == nullptr || (f.metrics && !(end->metrics && is_enough(fc::reason_of(*end)))))
+      end = &f;
     bytes[f.id()] += 0;
     if (!f.metrics) continue;
     const nlohmann::json& j = *f.metrics;
@@ -134,45 +148,54 @@ inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
   require(end > begin, folders[0].path.string() + ": nothing was flown; expected trajectories");
   m.completion_time = speed_up * (end - begin);
 
-  std::vector<RobotId> lost;  // told last: to the judge, they hover
-  const TsdfMap* first = nullptr;
-  d.maps_equal = true;
-  nlohmann::json late = nlohmann::json::object(), found = late;
+  nlohmann::json late = nlohmann::json::object(), found = late, stops = late;
+  const AgentFolder* judged = nullptr;
   for (const auto& [id, folder] : ends) {
     const std::string name = std::to_string(id);
-    m.stop_reasons.push_back(folder->metrics ? fc::reason_of(*folder->metrics) : StopReason::ended);
+    const StopReason why = folder->metrics ? fc::reason_of(*folder) : StopReason::lost;
+    m.stop_reasons.push_back(why);
+    stops[name] = name_of(why);
     m.path_length.push_back(paths.at(id).length());
     m.path_at_work.push_back(folder->metrics ? folder->metrics->value("path_at_work_m", 0.0)
                                              : m.path_length.back());
     d.bytes_sent.push_back(bytes[id]);
-    if (!folder->complete()) lost.push_back(static_cast<RobotId>(id - 1));
-    if (!folder->metrics) continue;
+    if (!folder->metrics) {
+      c.killed.push_back(id);
+      continue;
+    }
+    if (!is_enough(why)) c.early.push_back(id);
+    if (folder->has_map() &&
+        (judged == nullptr || (is_enough(why) && !is_enough(fc::reason_of(*judged)))))
+      judged = folder;
     late[name] = folder->metrics->value("late_steps", std::size_t{0});
     found[name] = folder->metrics->value("found_team_s", nlohmann::json());
   }
-  m.complete =
-      std::any_of(ends.begin(), ends.end(), [](const auto& e) { return e.second->complete(); });
-  const bool only_complete = m.complete;
-  for (const auto& [id, folder] : ends) {
-    if (!folder->has_map() || (only_complete && !folder->complete())) continue;
-    TsdfMap map = load_map(folder->path / "map.sfm");
-    if (first == nullptr) {
-      c.run.map = std::move(map);
-      first = &c.run.map;
-      const nlohmann::json& j = *folder->metrics;
-      const double share = j.value("estimated_coverage", 0.0);
-      m.coverage = {.mesh = share, .unmeshed = 1.0 - share, .open = 0.0};
-      m.remaining = j.value("remaining_ise", std::size_t{0});
-      m.left_area = j.value("left_area_m2", 0.0);
-      for (const LeftReason r :
-           {LeftReason::hidden, LeftReason::no_free_pose, LeftReason::unreachable,
-            LeftReason::seen_incomplete, LeftReason::not_attempted})
-        if (const std::size_t n = j.value("remaining_ise_reasons", nlohmann::json::object())
-                                      .value(std::string(name_of(r)), std::size_t{0}))
-          m.reasons[r] = n;
-    } else {
-      d.maps_equal = d.maps_equal && equal_maps(*first, map);
+  for (int id = 1; id <= s.robots; ++id)
+    if (ends.count(id) == 0) {
+      c.missing.push_back(id);
+      stops[std::to_string(id)] = "missing";
     }
+  m.complete =
+      c.missing.empty() && std::all_of(m.stop_reasons.begin(), m.stop_reasons.end(),
+                                       [](StopReason r) { return r == StopReason::complete; });
+
+  c.run.map = load_map(judged->path / "map.sfm");
+  const nlohmann::json& j = *judged->metrics;
+  const double share = j.value("estimated_coverage", 0.0);
+  m.coverage = {.mesh = share, .unmeshed = 1.0 - share, .open = 0.0};
+  m.remaining = j.value("remaining_ise", std::size_t{0});
+  m.left_area = j.value("left_area_m2", 0.0);
+  for (const LeftReason r : {LeftReason::hidden, LeftReason::no_free_pose, LeftReason::unreachable,
+                             LeftReason::seen_incomplete, LeftReason::not_attempted})
+    if (const std::size_t n = j.value("remaining_ise_reasons", nlohmann::json::object())
+                                  .value(std::string(name_of(r)), std::size_t{0}))
+      m.reasons[r] = n;
+  d.maps_equal = true;
+  for (const auto& [id, folder] : ends) {
+    if (!folder->metrics || folder == judged) continue;
+    d.maps_equal = d.maps_equal && folder->has_map() &&
+                   folder->metrics->value("patches_digest", "") == j.value("patches_digest", "") &&
+                   equal_maps(c.run.map, load_map(folder->path / "map.sfm"));
   }
   for (std::size_t k = 0; k < kMessageKinds; ++k)
     d.bytes_by_kind[k] =
@@ -184,7 +207,8 @@ inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
 
   m.trajectories = fc::at_common_instants(paths);
   c.judged = judge_inspection(s, site, c.run);
-  c.run.distributed->lost = std::move(lost);
+  // Told last: to the judge, they hover.
+  for (const int id : c.killed) c.run.distributed->lost.push_back(static_cast<RobotId>(id - 1));
   m.trajectories.clear();
   for (const auto& [id, path] : paths) {
     m.trajectories.emplace_back();
@@ -193,11 +217,10 @@ inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
         m.trajectories.back().push_back(
             {speed_up * (p.time - begin), fc::configuration_of(p.T_world_body)});
   }
-  c.more = {{"messages_dropped", drops},
-            {"late_steps", late},
-            {"found_team_s", found},
-            {"speed_up", speed_up},
-            {"team", folders.front().about["team"]}};
+  c.more = {{"messages_dropped", drops},   {"late_steps", late},
+            {"found_team_s", found},       {"stop_reason_by_robot", stops},
+            {"missing_robots", c.missing}, {"ended_well", c.ended_well()},
+            {"speed_up", speed_up},        {"team", folders.front().about["team"]}};
   return c;
 }
 }  // namespace surfleet::examples

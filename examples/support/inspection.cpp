@@ -233,6 +233,7 @@ InspectionInputs read_inputs(const InspectionSettings& s) {
   o.events = fleet_events(s.events, s.robots);
   o.packer = ZstdPacker{};
   o.agent.patch_images = static_cast<std::uint32_t>(s.patch_images);
+  o.agent.patch_distance = s.patch_distance;
   o.agent.memory_of_lost = s.wait_for_team;
   o.agent.redundancy.radius = 0.5 * s.cluster_radius;
   return in;

@@ -73,16 +73,17 @@ struct InspectionSettings : MissionPreset {
   std::string cluster_distance = "straight";
   MergeOptions merge;
   int max_views = 1;
-  MissionLimits end;                    ///< When a mission is over before nothing is left to do.
-  std::string begun;                    ///< Folder of a mission to go on with; empty: none.
-  std::string neighbours = "exact";     ///< How drones see one another: exact, markers, none.
-  bool announces = true;                ///< Drones tell each other where they go.
-  std::string network = "perfect";      ///< Of a distributed fleet: perfect, wifi, poor or a file.
-  std::string events;                   ///< File of what befalls robots of one; empty: nothing.
-  int patch_images = 5;                 ///< In a map patch of one.
-  double wait_for_team = 30.0;          ///< For mates that it no longer hears [s].
-  std::string save_images;              ///< Folder for what the cameras see; empty: nowhere.
-  std::optional<double> utility_share;  ///< c_thres in place of the planner's own.
+  MissionLimits end;                     ///< When a mission is over before nothing is left to do.
+  std::string begun;                     ///< Folder of a mission to go on with; empty: none.
+  std::string neighbours = "exact";      ///< How drones see one another: exact, markers, none.
+  bool announces = true;                 ///< Drones tell each other where they go.
+  std::string network = "perfect";       ///< Of a distributed fleet: perfect, wifi, poor or a file.
+  std::string events;                    ///< File of what befalls robots of one; empty: nothing.
+  int patch_images = 5;                  ///< In a map patch of one.
+  std::optional<double> patch_distance;  ///< Flown, that closes one, too [m].
+  double wait_for_team = 30.0;           ///< For mates that it no longer hears [s].
+  std::string save_images;               ///< Folder for what the cameras see; empty: nowhere.
+  std::optional<double> utility_share;   ///< c_thres in place of the planner's own.
 
   Pose T_body_camera() const {
     return forward_camera_mount(radians(camera_pitch),
@@ -209,20 +210,6 @@ class InspectionOptions {
     if (program == InspectionProgram::mission)
       app.add("--architecture", settings.architecture,
               "single, centralized (one map, one planner) or distributed (each robot has its own)");
-    if (flies)
-      app.add("--network", settings.network,
-              "of a distributed fleet: perfect, wifi (2 % loss, 20 ms, 20 Mbit/s), poor (30 %, 500 "
-              "+- 200 ms, 1 Mbit/s), or a file with loss, latency, jitter [s], bandwidth [bit/s], "
-              "range [m], line-of-sight, partition, cut");
-    if (program == InspectionProgram::mission)
-      app.add("--events", settings.events,
-              "file of what befalls robots of a distributed fleet: killed = [\"2 at 120\"], "
-              "vanished");
-    if (flies) {
-      app.add("--patch-images", settings.patch_images, "in a patch of a distributed fleet's map");
-      app.add("--wait-for-team", settings.wait_for_team,
-              "for robots of a distributed fleet that are no longer heard [s]");
-    }
     app.add("--speed", settings.limits.speed, "nominal speed [m/s]");
     app.add("--yaw-rate", settings.limits.yaw_rate, "at which a drone turns [rad/s]");
     app.add("--radius", settings.radius, "of a drone's body [m]");
@@ -282,6 +269,7 @@ class InspectionOptions {
     app.add("--disparity-error", settings.stereo.disparity_error, "|e_d| of that noise [px]");
     app.add("--focal", settings.stereo.focal, "f of that noise [px]");
     app.add("--baseline", settings.stereo.baseline, "B of that noise [m]");
+    if (flies) distributed_group(agent);
     app.begin_group("Map");
     app.add("--voxel", settings.voxel, "edge of a voxel [m]");
     app.add("--known-weight", settings.known_weight, "W_th: weight of a known voxel");
@@ -404,6 +392,23 @@ class InspectionOptions {
   }
 
  private:
+  void distributed_group(bool agent) {
+    app_.begin_group("Distributed fleet");
+    app_.add("--network", settings.network,
+             "perfect, wifi (2 % loss, 20 ms, 20 Mbit/s), poor (30 %, 500 +- 200 ms, 1 Mbit/s), or "
+             "a file with any of loss, duplication, reordering (shares), latency, jitter [s], "
+             "bandwidth [bit/s of a robot], range [m], line-of-sight = true, "
+             "partition = [\"60 to 200: 1 2 | 3\"], cut = [\"10 to 20: 1 > 3\"]");
+    if (!agent)
+      app_.add("--events", settings.events,
+               "file of what befalls robots: killed = [\"2 at 120\"] (its body hovers), "
+               "vanished = [\"3 at 60.5\"] (its body is gone), restarted = [\"2 at 180\"] (with "
+               "an empty map); each a list of \"ROBOT at SECONDS\"");
+    app_.add("--patch-images", settings.patch_images, "a patch of the map closes after so many");
+    app_.add("--patch-distance", settings.patch_distance,
+             "or once its robot has come so far [m]; default no such distance");
+    app_.add("--wait-for-team", settings.wait_for_team, "for robots that are no longer heard [s]");
+  }
   static std::string default_least_gain() {
     std::string shares;
     for (const NamedPlanner& p : kPlanners)
@@ -512,9 +517,12 @@ class InspectionOptions {
     const bool distributed = a == "distributed";
     require(distributed || (s.network == "perfect" && s.events.empty()),
             "--network, --events: expected --architecture distributed with them");
+    require(distributed || !s.patch_distance,
+            "--patch-distance: expected --architecture distributed with it");
     require(!distributed || (s.announces && s.begun.empty()),
             "--architecture distributed: expected no --announcements off or --continue with it");
     require(s.patch_images >= 1 && s.patch_images <= 1000, "--patch-images: expected 1 to 1000");
+    positive(s.patch_distance.value_or(1.0), "--patch-distance");
     positive(s.wait_for_team, "--wait-for-team");
     require(s.architecture != "single" || s.robots == 1,
             "--architecture single: expected --robots 1");

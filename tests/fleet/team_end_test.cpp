@@ -14,7 +14,7 @@ using namespace surfleet;
 /// What a robot says of itself and its mates, put together by hand.
 struct SaidRobot {
   bool done = false, rest = true;
-  std::optional<int> reason{};
+  std::optional<StopReason> reason{};
   std::uint64_t held = 1;
   std::size_t lacks = 0;
   std::map<RobotId, RobotState> mates_heard{};
@@ -31,7 +31,7 @@ struct SaidRobot {
       if (mate.age <= most) all.push_back(mate);
     return all;
   }
-  std::optional<int> stop_reason() const { return reason; }
+  std::optional<StopReason> stop_reason() const { return reason; }
   bool at_rest() const { return rest; }
   bool is_done() const { return done; }
   bool finished() const {
@@ -91,8 +91,18 @@ TEST(mates_that_fall_silent_at_work_are_lost) {
   end.observe(robot, 32.0);
   CHECK((end.lost() == std::vector<RobotId>{1}));
 }
-TEST(a_retired_robot_goes_home_and_then_whatever_its_mates_do) {
-  SaidRobot robot{.rest = false, .reason = 1};
+TEST(a_robot_at_its_goal_waits_for_its_mates_maps) {
+  SaidRobot robot{.done = true, .reason = StopReason::coverage_goal};
+  TeamEnd end;
+  robot.mate(1, false, 0.1, 5);
+  end.observe(robot, 0.0);
+  CHECK(!end.over(60.0));
+  robot.mate(1, true, 0.1, 1);
+  end.observe(robot, 60.0);
+  CHECK(!end.over(64.0) && end.over(65.0));
+}
+TEST(a_robot_with_a_spent_charge_goes_home_and_then_whatever_its_mates_do) {
+  SaidRobot robot{.rest = false, .reason = StopReason::endurance};
   TeamEnd end;
   robot.mate(1, false, 0.1, 5);
   end.observe(robot, 0.0);

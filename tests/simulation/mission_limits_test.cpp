@@ -7,6 +7,7 @@
 #include "box_world.hpp"
 #include "check.hpp"
 
+#include <surfleet/fleet/coverage_goal.hpp>
 #include <surfleet/planning/named_planners.hpp>
 #include <surfleet/simulation/fly_distributed.hpp>
 #include <surfleet/simulation/fly_mission.hpp>
@@ -14,19 +15,23 @@
 namespace {
 using namespace surfleet;
 
-FlownMission fly_within(const MissionLimits& limits, int robots, const TsdfMap* begun = nullptr) {
+FlownMission fly_within(const MissionLimits& limits, int robots, const TsdfMap* begun = nullptr,
+                        double max_time = 600.0) {
   box_world::World world;
   MissionOptions o = box_world::options(world);
   o.limits = limits;
   o.begun = begun;
+  o.max_time = max_time;
   return fly_mission(o, world, box_world::starts(robots),
                      make_planner("surfleet", {.standoff = 2.0}));
 }
 DistributedResult fly_distributed_within(const MissionLimits& limits, int robots,
-                                         const std::vector<FleetEvent>& events = {}) {
+                                         const std::vector<FleetEvent>& events = {},
+                                         double max_time = 600.0) {
   box_world::World world;
   MissionOptions o = box_world::options(world);
   o.limits = limits;
+  o.max_time = max_time;
   return fly_distributed(o, {.network = NetworkConditions::named("wifi"), .events = events}, world,
                          box_world::starts(robots),
                          [](RobotId) { return make_planner("surfleet", {.standoff = 2.0}); })
@@ -68,6 +73,69 @@ TEST(a_goal_of_coverage_ends_a_mission) {
   check_home(part);
   CHECK(!part.complete && part.enough() && part.stop_reasons[0] == StopReason::coverage_goal);
   CHECK(part.coverage.share() >= 0.5 && part.path_at_work[0] < all.path_at_work[0]);
+}
+/// When a robot, which flies home at the end, was last in flight [s].
+double last_flight(const std::vector<TimedConfiguration>& path) {
+  for (std::size_t k = path.size(); k-- > 1;)
+    if ((path[k].configuration.position - path[k - 1].configuration.position).norm() > 0.01)
+      return path[k].time;
+  return 0.0;
+}
+TEST(a_robot_cut_short_on_its_flight_home_says_that_time_was_up) {
+  const MissionLimits limits{.least_gain = 2.0};
+  const auto cut = [](const MissionResult& whole) {
+    return last_flight(whole.trajectories[0]) - 1.0;
+  };
+  const MissionResult alone = fly_within(limits, 1).result;
+  const MissionResult part = fly_within(limits, 1, nullptr, cut(alone)).result;
+  CHECK(alone.enough() && !part.enough() && part.stop_reasons[0] == StopReason::ended);
+
+  const MissionResult fleet = fly_distributed_within(limits, 1).mission;
+  CHECK(fleet.enough() && fleet.stop_reasons[0] == StopReason::enough);
+  const MissionResult short_of_home = fly_distributed_within(limits, 1, {}, cut(fleet)).mission;
+  CHECK(!short_of_home.enough() && !short_of_home.complete);
+  CHECK(short_of_home.stop_reasons[0] == StopReason::ended);
+}
+TEST(who_is_lost_has_not_ended_and_its_team_has) {
+  const DistributedResult r =
+      fly_distributed_within({}, 2, {{.time = 10.0, .robot = 1, .kind = FleetEvent::Kind::killed}});
+  CHECK(r.mission.complete && r.mission.enough());
+  CHECK(r.mission.stop_reasons[0] == StopReason::complete);
+  CHECK(r.mission.stop_reasons[1] == StopReason::lost);
+  MissionResult none;
+  none.stop_reasons = {StopReason::lost, StopReason::lost};
+  CHECK(!none.enough());
+  for (const StopReason reason : kStopReasons)
+    CHECK(is_enough(reason) == (reason != StopReason::stranded && reason != StopReason::ended &&
+                                reason != StopReason::lost));
+}
+TEST(a_goal_of_coverage_is_noticed_as_soon_as_it_is_reached) {
+  for (const double share : {0.45, 0.6, 0.75}) {
+    CoverageGoal goal(share);
+    double reached = 0.0, noticed = 0.0;
+    std::size_t steps = 0;
+    MissionObserver observer;
+    observer.on_step = [&](const MissionStep& step) {
+      ++steps;
+      if (reached == 0.0 && step.belief.estimate_coverage().share() >= share) reached = step.time;
+      if (noticed == 0.0 && goal.is_reached(step.belief, step.time)) noticed = step.time;
+    };
+    box_world::World world;
+    MissionOptions o = box_world::options(world);
+    o.limits.coverage_goal = share;
+    const MissionResult r = fly_mission(o, world, box_world::starts(1),
+                                        make_planner("surfleet", {.standoff = 2.0}), {}, observer)
+                                .result;
+    CHECK(reached > 0.0 && r.stop_reasons[0] == StopReason::coverage_goal);
+    CHECK(noticed >= reached && noticed < reached + 2.0);
+    // And no account was taken in every second.
+    CHECK(goal.accounts() < steps / 8);
+    double worked = 0.0;
+    const auto& path = r.trajectories[0];
+    for (std::size_t k = 1; k < path.size() && path[k].time <= reached + 2.0; ++k)
+      worked += (path[k].configuration.position - path[k - 1].configuration.position).norm();
+    CHECK(r.path_at_work[0] <= worked + 1e-6);
+  }
 }
 TEST(robots_go_home_when_what_is_left_pays_too_little) {
   const MissionResult none = fly_within({.least_gain = 1e6}, 2).result;

@@ -15,6 +15,7 @@
 
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/fleet/as_traffic.hpp>
+#include <surfleet/fleet/coverage_goal.hpp>
 #include <surfleet/fleet/distributed_options.hpp>
 #include <surfleet/fleet/message_guard.hpp>
 #include <surfleet/fleet/packet.hpp>
@@ -59,7 +60,8 @@ class DistributedAgent {
         recorder_({.robot = id,
                    .incarnation = options.incarnation,
                    .voxel_size = checked.belief.voxel_size,
-                   .images = options.patch_images},
+                   .images = options.patch_images,
+                   .distance = options.patch_distance},
                   *checked.belief.integrator),
         fusion_({.voxel_size = checked.belief.voxel_size,
                  .truncation = checked.belief.tsdf.truncation}),
@@ -71,7 +73,8 @@ class DistributedAgent {
             std::move(packer)),
         relay_(id, options.incarnation, options.relay),
         guard_(id, {.team = options.team}),
-        redundant_(RedundancyCheck{options.redundancy}) {
+        redundant_(RedundancyCheck{options.redundancy}),
+        goal_(options.coverage_goal) {
     requests_.least_gain = options.least_gain;
     belief_.add_known_free(0, {agent.home.value_or(body.estimate()).position, start_clearance});
     belief_.add_known_free(0, {body.estimate().position, kind.inscribed_radius()});
@@ -99,7 +102,8 @@ class DistributedAgent {
     belief_.update();
     agent_.check_stop();
     plan();
-    if (goal_is_reached()) agent_.retire(StopReason::coverage_goal);
+    if (!agent_.stop_reason() && goal_.is_reached(belief_, now))
+      agent_.retire(StopReason::coverage_goal);
     if (options_.returns_home && !leaving_ && is_agreed()) {
       leaving_ = true;
       agent_.retire(requests_.left_out() ? StopReason::enough : StopReason::complete);
@@ -184,12 +188,6 @@ class DistributedAgent {
       return mate.done && mate.holds == sync_.digest() && relay_.is_current(mate);
     });
   }
-  /// Asked seldom, and ever more seldom, as it costs as much as the map is large.
-  bool goal_is_reached() {
-    if (!options_.coverage_goal || agent_.stop_reason() || now_ < next_estimate_) return false;
-    next_estimate_ = std::max(kEstimates * now_, now_ + kFirstEstimate);
-    return belief_.estimate_coverage().share() >= *options_.coverage_goal;
-  }
   /// Whether it has seen, or viewed in vain, what is in no patch yet.
   bool has_untold() const { return recorder_.images() > 0 || belief_.ledger().has_news(); }
   void plan() {
@@ -226,8 +224,7 @@ class DistributedAgent {
     return t;
   }
 
-  static constexpr double kMostSwollen = 5.0;                      ///< [m]
-  static constexpr double kFirstEstimate = 1.0, kEstimates = 1.1;  ///< [s], and a factor
+  static constexpr double kMostSwollen = 5.0;   ///< [m]
   static constexpr double kNextQuestion = 2.0;  ///< Of a robot at rest whose mates work [s].
 
   RobotId id_;
@@ -242,13 +239,13 @@ class DistributedAgent {
   TeamRelay relay_;
   MessageGuard guard_;
   RedundancyCheck redundant_;
+  CoverageGoal goal_;
   std::vector<RobotState> team_;    // heard of late enough to plan for
   std::vector<RobotState> recent_;  // and to keep clear of
   double now_ = 0.0;
   std::uint32_t said_ = 0;
   std::size_t redundant_stops_ = 0;
-  double next_estimate_ = 0.0;  // [s]
-  double planned_ = 0.0;        // when it last asked [s]
-  bool leaving_ = false;        // as all have agreed that nothing is left
+  double planned_ = 0.0;  // when it last asked [s]
+  bool leaving_ = false;  // as all have agreed that nothing is left
 };
 }  // namespace surfleet

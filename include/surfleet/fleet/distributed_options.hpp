@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include <surfleet/fleet/patch_sync.hpp>
 #include <surfleet/fleet/redundancy.hpp>
@@ -14,8 +15,10 @@ struct DistributedAgentOptions {
   std::uint32_t team = 0;          ///< Robots of other teams are not heard.
   std::uint32_t incarnation = 0;   ///< How often this robot was started before.
   std::uint32_t patch_images = 5;  ///< Images in a map patch.
-  double memory_of_lost = 30.0;    ///< Mates not heard for so long are out of everything [s].
-  double least_gain = 0.0;         ///< See `PlanRequests::least_gain` [m²/m].
+  /// A patch is closed once its robot has come so far, too [m].
+  std::optional<double> patch_distance{};
+  double memory_of_lost = 30.0;  ///< Mates not heard for so long are out of everything [s].
+  double least_gain = 0.0;       ///< See `PlanRequests::least_gain` [m²/m].
   /// A robot by whose own account so much is covered flies home, a share.
   std::optional<double> coverage_goal{};
   bool returns_home = false;  ///< When nothing is left for any robot, before it is finished.

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -21,13 +23,19 @@ enum class StopReason : std::uint8_t {
   coverage_goal,  ///< The share that was asked for is reached, by the mission's own account.
   endurance,      ///< It had to be back at its start.
   stranded,       ///< It found no path back to its start.
-  ended           ///< The mission was ended, by time or from outside.
+  ended,          ///< The mission was ended, by time or from outside, before it was through.
+  lost            ///< Its process died; its team went on without it.
 };
+inline constexpr std::array kStopReasons{
+    StopReason::complete, StopReason::enough, StopReason::coverage_goal, StopReason::endurance,
+    StopReason::stranded, StopReason::ended,  StopReason::lost};
 inline std::string_view name_of(StopReason reason) {
-  constexpr std::string_view kNames[] = {"complete",  "enough",   "coverage_goal",
-                                         "endurance", "stranded", "ended"};
+  constexpr std::string_view kNames[] = {"complete", "enough", "coverage_goal", "endurance",
+                                         "stranded", "ended",  "lost"};
   return kNames[static_cast<std::size_t>(reason)];
 }
+/// Whether it is a reason that was asked for.
+constexpr bool is_enough(StopReason reason) { return reason <= StopReason::endurance; }
 
 /// What a charge lasts; the robot is back at its start before that.
 struct EnduranceLimits {

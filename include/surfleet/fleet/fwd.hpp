@@ -5,6 +5,7 @@
 
 namespace surfleet {
 struct AgentOptions;
+class CoverageGoal;
 struct Envelope;
 class MessageGuard;
 struct MessageGuardOptions;

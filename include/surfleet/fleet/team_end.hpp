@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <surfleet/core/transport.hpp>
+#include <surfleet/fleet/endurance.hpp>
 #include <surfleet/planning/plan.hpp>
 
 namespace surfleet {
@@ -22,8 +23,8 @@ struct TeamEndOptions {
 };
 
 /// A robot that is done and has every mate's word for it may not leave at once: its mates would
-/// wait for its own. So it lingers, unless there is work again. A robot that was retired, as by its
-/// endurance, goes when it is at rest.
+/// wait for its own. So it lingers, unless there is work again. A robot whose charge is spent, or
+/// that finds no path home, does not wait for its mates: it goes when it is at rest.
 class TeamEnd {
  public:
   explicit TeamEnd(TeamEndOptions options = {}) : options_(options) {}
@@ -36,7 +37,8 @@ class TeamEnd {
       bool& well = ended_well_.try_emplace(mate.id, false).first->second;
       if (robot.team().is_current(mate)) well = mate.done && mate.holds == digest;
     }
-    if (robot.agent().stop_reason() && robot.agent().at_rest()) {
+    const std::optional<StopReason> why = robot.agent().stop_reason();
+    if ((why == StopReason::endurance || why == StopReason::stranded) && robot.agent().at_rest()) {
       if (!since_) since_ = now;
     } else if (robot.finished()) {
       if (!since_ || digest != digest_) since_ = now;

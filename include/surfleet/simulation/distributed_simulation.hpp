@@ -182,7 +182,7 @@ class DistributedSimulation {
     result_.maps_equal = true;
     for (std::size_t r = 0; r < robots_.size(); ++r) {
       const Robot& robot = *robots_[r];
-      record_.add_planning_robot(robot, ended_);
+      record_.add_planning_robot(robot, ended_, !alive_[r]);
       result_.redundant_stops += robot.redundant_stops();
       result_.bytes_sent.push_back(network_.bytes_sent(static_cast<RobotId>(r)));
       if (!alive_[r]) continue;

@@ -122,10 +122,13 @@ struct MissionResult {
   std::size_t plans = 0, emergency_stops = 0, waits = 0;
   CentralTraffic traffic;  ///< Nothing of a robot alone, nor of a distributed fleet.
 
-  /// Whether every robot stopped for a reason that was asked for.
+  /// Whether every robot stopped for a reason that was asked for, but those that were lost, if they
+  /// are not all.
   bool enough() const {
-    return std::none_of(stop_reasons.begin(), stop_reasons.end(),
-                        [](StopReason r) { return r >= StopReason::stranded; });
+    const auto lost = [](StopReason r) { return r == StopReason::lost; };
+    return std::all_of(stop_reasons.begin(), stop_reasons.end(),
+                       [&](StopReason r) { return is_enough(r) || lost(r); }) &&
+           !std::all_of(stop_reasons.begin(), stop_reasons.end(), lost);
   }
   double total_path_length() const {
     return std::accumulate(path_length.begin(), path_length.end(), 0.0);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -34,14 +35,12 @@ class MissionRecord {
       t.push_back({time, fleet[r]});
     }
   }
-  /// Takes the mission's own account of its coverage, if it is time; whether it was.
-  bool estimate(double time, const SurfaceBelief& belief) {
-    if (time < next_estimate_) return false;
+  /// Takes the mission's own account of its coverage, if it is time.
+  void estimate(double time, const SurfaceBelief& belief) {
+    if (time < next_estimate_) return;
     estimate_ = belief.estimate_coverage().share();
     next_estimate_ = std::max(kEstimates * time, time + kFirstEstimate);
-    return true;
   }
-  double estimated_coverage() const { return estimate_; }
   /// To be called about once a second: what `watch` says, true if there is none.
   bool report(double time, const SurfaceBelief& belief,
               const std::function<bool(const MissionProgress&)>& watch) {
@@ -58,13 +57,19 @@ class MissionRecord {
     result.emergency_stops += agent.emergency_stops();
     result.waits += agent.waits();
   }
-  /// The same of a robot that plans for itself, whose mission came to an end of its own or not.
+  /// The same of a robot that plans for itself, whose mission came to an end of its own or not. One
+  /// that is cut short on its flight home has not ended as it was to.
   template <typename Robot>
-  void add_planning_robot(const Robot& robot, bool over) {
+  void add_planning_robot(const Robot& robot, bool over, bool lost = false) {
     result.plans += robot.plans().plans();
     result.planning_time += robot.plans().planning_time();
-    add_robot(robot.agent(), robot.agent().stop_reason().value_or(over ? StopReason::complete
-                                                                       : StopReason::ended));
+    const std::optional<StopReason> why = robot.agent().stop_reason();
+    StopReason reason = StopReason::ended;
+    if (lost)
+      reason = StopReason::lost;
+    else if (over || (why && robot.agent().at_rest()))
+      reason = why.value_or(StopReason::complete);
+    add_robot(robot.agent(), reason);
   }
   /// The end, as `belief` has it; `impossible` are the elements that its last plan had no view of.
   void close(double time, const SurfaceBelief& belief,

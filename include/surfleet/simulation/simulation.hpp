@@ -25,6 +25,7 @@
 #include <surfleet/core/transport.hpp>
 #include <surfleet/fleet/agent.hpp>
 #include <surfleet/fleet/central_planning.hpp>
+#include <surfleet/fleet/coverage_goal.hpp>
 #include <surfleet/fleet/robot_news.hpp>
 #include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/simulation/mission.hpp>
@@ -56,6 +57,7 @@ class Simulation {
         planning_(std::move(planner)),
         fleet_(starts.begin(), starts.end()),
         air_(starts.size()),
+        goal_(options_.limits.coverage_goal),
         record_(starts.size()) {
     if constexpr (std::is_same_v<Planner, AnyPlanner>)
       require(planning_.requests.planner != nullptr,
@@ -91,6 +93,8 @@ class Simulation {
     while (time_ < options_.max_time) {
       observe();
       for (const auto& agent : agents_) agent->check_stop();
+      if (goal_.is_reached(belief_, time_))
+        for (const auto& agent : agents_) agent->retire(StopReason::coverage_goal);
       planning_(agents_, belief_, time_);
       if (planning_.finished(agents_, belief_) && over()) break;
       move();
@@ -171,9 +175,7 @@ class Simulation {
 
   /// False if the mission is to end here.
   bool report() {
-    if (record_.estimate(time_, belief_) &&
-        record_.estimated_coverage() >= options_.limits.coverage_goal.value_or(2.0))
-      for (const auto& agent : agents_) agent->retire(StopReason::coverage_goal);
+    record_.estimate(time_, belief_);
     return record_.report(time_, belief_, on_progress);
   }
 
@@ -184,6 +186,7 @@ class Simulation {
   PerfectTransport<TrafficAgent> air_;
   std::vector<std::unique_ptr<Body>> bodies_;
   std::vector<std::unique_ptr<Agent<Body>>> agents_;
+  CoverageGoal goal_;
   bool ended_ = false;  // by the robots themselves
   std::uint64_t step_ = 0;
   double time_ = 0.0;
