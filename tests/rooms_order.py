@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """A room includes only rooms above it in the README's table, and none includes adapters.
 
-    rooms_order.py README.md include/surfleet [--lines MOST] [--median MOST] [--only HEADER]
+    rooms_order.py README.md include/surfleet [--lines MOST] [--median MOST] [--apart ROOM OTHER]... [--only HEADER]
 
 Headers that include themselves by way of others are refused, too, and those longer than MOST lines, alone or in the
-median. With --only, says how long HEADER is with all that no other header needs, those of whole rooms aside.
+median, and a ROOM that includes OTHER by way of any header. With --only, says how long HEADER is with all that no
+other header needs, those of whole rooms aside.
 """
 import argparse
 import pathlib
@@ -17,6 +18,7 @@ parser.add_argument("readme")
 parser.add_argument("headers")
 parser.add_argument("--lines", type=int, default=None)
 parser.add_argument("--median", type=int, default=None)
+parser.add_argument("--apart", nargs=2, action="append", default=[])
 parser.add_argument("--only", default=None)
 args = parser.parse_args()
 
@@ -63,6 +65,13 @@ def seek_circles(header):
 
 for header in uses:
     seek_circles(header)
+for room, other in args.apart:
+    reached = {header for header in uses if header.startswith(room + "/")}
+    if not reached or other not in rooms:
+        wrong.append(f"--apart {room} {other}: expected two rooms")
+    while more := {used for header in reached for used in uses.get(header, [])} - reached:
+        reached |= more
+    wrong += [f"{room} includes {header}" for header in sorted(reached) if re.match(rf"{other}[/.]", header)]
 if args.median and statistics.median(lengths.values()) > args.median:
     wrong.append(f"{statistics.median(lengths.values())} lines in the median; expected at most {args.median}")
 print(f"{len(lengths)} headers, {statistics.median(lengths.values()):.0f} lines in the median, "
