@@ -92,6 +92,8 @@ struct ArchetypeValue {
   }
 };
 static_assert(ClusterRouting<ArchetypeRouting>);
+static_assert(ElementOrder<NearestFirst, ArchetypeRouting> &&
+              ElementOrder<LargestGainFirst, ArchetypeRouting>);
 static_assert(RouteSetFunction<ArchetypeValue, ArchetypeRouting>);
 }  // namespace
 

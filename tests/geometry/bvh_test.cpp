@@ -57,6 +57,34 @@ void compare(const TriangleMesh& mesh, Random& random, int queries) {
 }
 }  // namespace
 
+/// Casts bundles itself, and counts them.
+struct CountedBundles {
+  const Bvh* bvh;
+  mutable int bundles = 0;
+  std::optional<RayHit> cast(const Point3& p, const Eigen::Vector3d& d, double t_max) const {
+    return bvh->cast(p, d, t_max);
+  }
+  void cast_bundle(const Point3& p, std::span<const Eigen::Vector3d> directions, double t_max,
+                   std::span<double> t) const {
+    ++bundles;
+    surfleet::cast_bundle(*bvh, p, directions, t_max, t);
+  }
+};
+static_assert(BundleRayCaster<CountedBundles> && !BundleRayCaster<Bvh>);
+
+TEST(a_caster_that_is_faster_with_bundles_is_given_them) {
+  Random random(4);
+  const TriangleMesh mesh = soup(random, 30, 2.0);
+  const Bvh bvh(mesh);
+  const CountedBundles counted{&bvh};
+  std::vector<Eigen::Vector3d> directions(40);
+  for (Eigen::Vector3d& d : directions) d = draw(random, 1.0);
+  std::vector<double> one_by_one(directions.size()), together(directions.size());
+  cast_bundle(bvh, Point3::Zero(), directions, 9.0, one_by_one);
+  cast_bundle(counted, Point3::Zero(), directions, 9.0, together);
+  CHECK(counted.bundles == 1 && together == one_by_one);
+}
+
 TEST(bvh_agrees_with_brute_force) {
   Random random(1);
   for (const int n : {1, 3, 5, 50, 800}) compare(soup(random, n, 0.8), random, 150);

@@ -45,6 +45,11 @@ struct FixedBody {
   bool finished() const { return drone->finished(); }
   void advance(double dt) { drone->advance(dt); }
 };
+/// The least that is a gimbal.
+struct TiltingBody : FixedBody {
+  void tilt(double pitch) { drone->tilt(pitch); }
+};
+static_assert(GimballedBody<TiltingBody> && RobotBody<Drone>);
 static_assert(GimballedBody<Drone> && RobotBody<FixedBody> && !GimballedBody<FixedBody>);
 
 const std::vector<double> kPitches{0.0, radians(60.0), -radians(60.0)};

@@ -13,12 +13,15 @@
 
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/planning/robot_kind.hpp>
+#include <surfleet/simulation/drone_world.hpp>
+#include <surfleet/simulation/fly_mission.hpp>
 
 namespace {
 using namespace surfleet;
 
 const LidarModel kBoxLidar = box_world::lidar();
-static_assert(SightWorld<LidarWorld<Bvh>>);
+static_assert(SightWorld<LidarWorld<Bvh>> && SightWorld<DroneWorld<Bvh>> && SightWorld<AnyWorld>);
+static_assert(WorldModel<LidarWorld<Bvh>> && WorldModel<DroneWorld<Bvh>>);
 
 TEST(a_scan_is_what_beams_meet) {
   const box_world::World box;

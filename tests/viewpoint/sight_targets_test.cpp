@@ -4,9 +4,12 @@
 #include "check.hpp"
 
 #include <surfleet/core/random.hpp>
+#include <surfleet/geometry/bvh.hpp>
 
 namespace {
 using namespace surfleet;
+
+static_assert(TargetSight<MapSight> && TargetSight<MeshSight<Bvh>>);
 
 /// A cube of known empty voxels with a wall x = 5 … 6 m across its middle.
 TsdfMap walled_room() {

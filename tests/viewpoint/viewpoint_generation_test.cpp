@@ -265,16 +265,20 @@ TEST(merged_views_still_see_their_targets) {
   }
   CHECK(targets == set.size());
 }
+/// A view along n̄_v was in vain for all elements.
+struct OtherSides {
+  bool operator()(const IncompleteElement& e, const Eigen::Vector3d& direction) const {
+    return e.direction.dot(direction) < std::cos(radians(30));
+  }
+};
+static_assert(ViewPredicate<OtherSides>);
 TEST(views_come_from_sides_that_promise_something) {
   const TsdfMap map = wall_scene(10, 24);
   const VoxelStateMap states(map);
   const auto elements = elements_of(map);
   ViewpointOptions options{.distance = 4.0};
   options.known_eye = false;
-  // A view along n̄_v was in vain for all of them.
-  const auto promises = [](const IncompleteElement& e, const Eigen::Vector3d& direction) {
-    return e.direction.dot(direction) < std::cos(radians(30));
-  };
+  const OtherSides promises;
   const ViewpointSet set = generate_viewpoints(std::span(elements), states, kCamera, options,
                                                AlwaysTrue{}, AlwaysTrue{}, promises);
   check_promises(set, elements, states, options, AlwaysTrue{});

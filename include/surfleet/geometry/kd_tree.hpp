@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -31,14 +30,6 @@ struct Neighbor {
     return std::tie(a.distance2, a.index) < std::tie(b.distance2, b.index);
   }
   friend bool operator==(const Neighbor&, const Neighbor&) = default;
-};
-
-/// What a neighbour index offers: the `k` nearest in ascending order, and all within a radius in
-/// ascending order.
-template <typename I>
-concept NeighborIndex = requires(const I& index, const Point3& p, std::size_t k, double radius) {
-  { index.k_nearest(p, k) } -> std::convertible_to<std::vector<Neighbor>>;
-  { index.within(p, radius) } -> std::convertible_to<std::vector<Neighbor>>;
 };
 
 /// A balanced tree split at medians of the widest side, with buckets of up to 12 points.
@@ -174,5 +165,4 @@ class KdTree {
   std::vector<std::int32_t> index_;  // the caller's index of each entry of points_
   std::vector<Node> nodes_;
 };
-static_assert(NeighborIndex<KdTree>);
 }  // namespace surfleet

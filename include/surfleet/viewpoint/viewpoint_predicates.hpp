@@ -62,4 +62,5 @@ struct EmptyBall {
   }
 };
 static_assert(ConfigurationPredicate<AlwaysTrue> && ConfigurationPredicate<EmptyBall>);
+static_assert(ViewPredicate<AlwaysTrue>);
 }  // namespace surfleet
