@@ -225,6 +225,44 @@ TEST(a_senior_yields_to_a_cornered_robot) {
   CHECK(std::abs(m.target.y()) >= 2.4);
 }
 
+TEST(a_mate_not_heard_of_for_long_may_be_anywhere_along_its_path) {
+  // 20 s ago it was at the origin, to fly 30 m along x at 0.6 m/s.
+  TrafficAgent mate, self;
+  mate.path = {mate.position, {30, 0, 0}};
+  mate.age = 20.0;
+  self.id = 1;
+  TrafficPolicy policy;
+  const auto decide = [&](const Point3& from, const Point3& to) {
+    self.position = from;
+    self.path = {from, to};
+    CHECK((policy.too_close(self, std::vector{mate, self}) >= 0) <=
+          (policy(self, std::vector{mate, self}, open_space, 0.0).kind != Maneuver::Kind::none));
+    return policy(self, std::vector{mate, self}, open_space, 0.0).kind != Maneuver::Kind::none;
+  };
+  // Across its path where it may be by now, or soon; not behind it, nor far beside.
+  CHECK(decide({11, 7.6, 0}, {11, -8, 0}) && decide({16, 7.6, 0}, {16, -8, 0}));
+  CHECK(!decide({-8, 0, 0}, {-7.6, 8, 0}) && !decide({11, 20, 0}, {11, 12, 0}));
+  // Whatever its age and its path, none comes nearer to it than when it stands there, or is there
+  // after all.
+  Random random(5);
+  for (int trial = 0; trial < 500; ++trial) {
+    mate.age = random.uniform(0.0, 40.0);
+    mate.path = {mate.position, {random.uniform(0, 20), random.uniform(-5, 5), 0}};
+    mate.path.push_back(mate.path.back() + Point3(random.uniform(-9, 9), random.uniform(0, 9), 0));
+    const double flown = random.uniform(0.0, mate.speed * mate.age);
+    const Point3 there = detail::point_along(mate.path, flown);
+    CHECK(mate.distance(there) <= mate.extent() - mate.radius + 1e-9);
+    CHECK(mate.extent() <= mate.radius + 5.0);
+    self.position = {random.uniform(-15, 25), random.uniform(-15, 15), 0};
+    self.path = {self.position, there};
+    const double gap = (there - self.position).norm() - self.radius - mate.radius;
+    if (gap < 0.5 && gap > 0.0) CHECK(policy.too_close(self, std::vector{mate, self}) >= 0);
+  }
+  // What is fresh is as it was.
+  mate.age = 0.0;
+  CHECK(mate.extent() == mate.radius && mate.places() == std::vector<Point3>{mate.position});
+}
+
 TEST(of_two_that_wait_for_each_other_one_goes) {
   TrafficAgent senior{.id = 0, .position = {0, 0, 0}, .path = {{0, 0, 0}, {2, 0, 0}}};
   TrafficAgent junior{.id = 1, .position = {2.3, 0, 0}, .path = {{2.3, 0, 0}, {0, 0, 0}}};

@@ -28,6 +28,7 @@ inline TrafficAgent as_traffic(const RobotState& robot, const RobotKind& kind) {
   t.idle = robot.idle;
   t.cornered = robot.cornered;
   t.held = robot.held;
+  t.age = robot.age;
   return t;
 }
 }  // namespace surfleet

@@ -113,7 +113,7 @@ class DistributedAgent {
   /// Gives way, moves, and says what there is to say. Different agents at once.
   std::vector<Message<Packet>> act(double now) {
     agent_.forget_traffic();
-    for (const RobotState& mate : recent_) agent_.hear(swollen(mate));
+    for (const RobotState& mate : recent_) agent_.hear(as_traffic(mate, belief_.space(0).kind));
     belief_.goals();
     agent_.move(now);
     RobotState own = agent_.state(now);
@@ -217,14 +217,7 @@ class DistributedAgent {
            std::all_of(team_.begin(), team_.end(),
                        [](const RobotState& mate) { return mate.idle; });
   }
-  /// A mate not heard of late is anywhere near its path, as far as it may have come.
-  TrafficAgent swollen(const RobotState& mate) const {
-    TrafficAgent t = as_traffic(mate, belief_.space(0).kind);
-    t.radius += std::min(kMostSwollen, t.speed * mate.age);
-    return t;
-  }
 
-  static constexpr double kMostSwollen = 5.0;   ///< [m]
   static constexpr double kNextQuestion = 2.0;  ///< Of a robot at rest whose mates work [s].
 
   RobotId id_;

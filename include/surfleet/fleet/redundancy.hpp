@@ -50,7 +50,9 @@ class RedundancyCheck {
     if (self.route.empty()) return false;
     const Stop& next = self.route.front();
     for (const RobotState& mate : mates) {
-      if (mate.id == self.id || mate.route.empty() || !same(next, mate.route.front())) continue;
+      if (mate.id == self.id || mate.route.empty()) continue;
+      if (mate.first || !same(next, mate.route.front()))
+        continue;  // one on its way home views none
       const double mine = (next.configuration.position - self.at.position).norm();
       const double its = (mate.route.front().configuration.position - mate.at.position).norm();
       if (its < mine || (its == mine && mate.id < self.id)) return true;

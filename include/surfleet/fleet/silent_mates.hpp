@@ -23,7 +23,7 @@ inline void add_silent_mates(std::span<const SeenRobot> seen,
       self.speed * options.period + 0.5 * self.speed * self.speed / options.braking;
   for (const SeenRobot& mate : seen) {
     if (std::any_of(told.begin(), told.end(), [&](const auto& t) {
-          return (t.second.position - mate.position).norm() <= t.second.radius + mate.error;
+          return t.second.distance(mate.position) <= t.second.extent() + mate.error;
         }))
       continue;
     TrafficAgent silent;

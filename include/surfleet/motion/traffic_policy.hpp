@@ -14,45 +14,9 @@
 
 #include <surfleet/core/error.hpp>
 #include <surfleet/core/types.hpp>
+#include <surfleet/geometry/triangle_queries.hpp>
 
 namespace surfleet {
-/// What a robot tells its teammates about its motion.
-struct TrafficAgent {
-  int id = 0;             ///< Unique; decides between equal priorities, the lower goes first.
-  double priority = 0.0;  ///< The higher goes first.
-  Point3 position = Point3::Zero();
-  std::vector<Point3> path{};  ///< Still ahead, from `position` on; may be empty.
-  double radius = 1.0;         ///< Of the body [m].
-  double speed = 0.6;          ///< Its cruising speed [m/s].
-  bool idle = false;           ///< Has no task: gives way to every robot that has.
-  bool cornered = false;       ///< Could not give way: all others give way to it.
-  /// Stands, and will ask again before it moves on. Robots decide at once, on what was told before:
-  /// to a senior such a robot stands, a junior counts on its going on unless it is itself in the
-  /// way, so that of two that wait for each other's first step just one takes it.
-  bool held = false;
-};
-
-/// What a robot should do now.
-struct Maneuver {
-  enum class Kind { none, stop, step_aside };
-  Kind kind = Kind::none;
-  Point3 target = Point3::Zero();  ///< Where to step aside to, straight.
-  int because_of = -1;             ///< The teammate's id.
-};
-
-struct TrafficOptions {
-  double clearance = 0.5;       ///< Kept between bodies where there is a choice [m].
-  double least_gap = 0.05;      ///< Kept between bodies always [m].
-  double horizon = 15.0;        ///< How far ahead paths are compared [s].
-  double period = 0.2;          ///< The longest time between two decisions [s].
-  double braking = 1.5;         ///< Of the emergency stop [m/s²].
-  double longest_step = 8.0;    ///< How far a robot steps aside [m].
-  double cornered_time = 30.0;  ///< How long a cornered robot keeps the right of way [s].
-
-  /// Between the bodies of two that stand, for both to have come there and stay [m].
-  double standing_gap() const { return clearance + 2.0 * least_gap; }
-};
-
 namespace detail {
 /// The point `distance` [m] along a polyline, or its end.
 inline Point3 point_along(std::span<const Point3> path, double distance) {
@@ -101,6 +65,68 @@ inline double polyline_distance(std::span<const Point3> p, std::span<const Point
 }
 }  // namespace detail
 
+/// What a robot tells its teammates about its motion.
+struct TrafficAgent {
+  int id = 0;             ///< Unique; decides between equal priorities, the lower goes first.
+  double priority = 0.0;  ///< The higher goes first.
+  Point3 position = Point3::Zero();
+  std::vector<Point3> path{};  ///< Still ahead, from `position` on; may be empty.
+  double radius = 1.0;         ///< Of the body [m].
+  double speed = 0.6;          ///< Its cruising speed [m/s].
+  bool idle = false;           ///< Has no task: gives way to every robot that has.
+  bool cornered = false;       ///< Could not give way: all others give way to it.
+  /// Stands, and will ask again before it moves on. Robots decide at once, on what was told before:
+  /// to a senior such a robot stands, a junior counts on its going on unless it is itself in the
+  /// way, so that of two that wait for each other's first step just one takes it.
+  bool held = false;
+  double age = 0.0;  ///< Of this news; it may have moved on since [s].
+
+  static constexpr double kMostStray = 5.0;  ///< [m]
+
+  /// Radius of what holds its body, about one of `places()` [m]. It grows with the news' age up to
+  /// a limit, so that a mate not heard of for long does not bar everything around it.
+  double extent() const { return radius + std::min(kMostStray, speed * age); }
+  /// How far along its path it may be beyond `extent()` [m].
+  double strayed() const { return path.size() < 2 ? 0.0 : std::max(0.0, speed * age - kMostStray); }
+  /// Where it may be: at `position`, or on its path as far as it may have strayed.
+  std::vector<Point3> places() const {
+    return strayed() > 0.0 ? detail::head_of(path, strayed()) : std::vector<Point3>{position};
+  }
+  /// From `p` to the nearest of `places()` [m].
+  double distance(const Point3& p) const { return (nearest(p) - p).norm(); }
+  Point3 nearest(const Point3& p) const {
+    Point3 best = position;
+    if (!(strayed() > 0.0)) return best;
+    const std::vector<Point3> all = places();
+    for (std::size_t i = 1; i < all.size(); ++i)
+      if (const Point3 q = closest_on_segment(p, all[i - 1], all[i]);
+          (q - p).squaredNorm() < (best - p).squaredNorm())
+        best = q;
+    return best;
+  }
+};
+
+/// What a robot should do now.
+struct Maneuver {
+  enum class Kind { none, stop, step_aside };
+  Kind kind = Kind::none;
+  Point3 target = Point3::Zero();  ///< Where to step aside to, straight.
+  int because_of = -1;             ///< The teammate's id.
+};
+
+struct TrafficOptions {
+  double clearance = 0.5;       ///< Kept between bodies where there is a choice [m].
+  double least_gap = 0.05;      ///< Kept between bodies always [m].
+  double horizon = 15.0;        ///< How far ahead paths are compared [s].
+  double period = 0.2;          ///< The longest time between two decisions [s].
+  double braking = 1.5;         ///< Of the emergency stop [m/s²].
+  double longest_step = 8.0;    ///< How far a robot steps aside [m].
+  double cornered_time = 30.0;  ///< How long a cornered robot keeps the right of way [s].
+
+  /// Between the bodies of two that stand, for both to have come there and stay [m].
+  double standing_gap() const { return clearance + 2.0 * least_gap; }
+};
+
 /// One robot's view of the traffic; every robot runs its own, on what the others tell.
 ///
 /// Right of way: cornered robots, then those with a task, then the higher priority, then the lower
@@ -134,7 +160,7 @@ class TrafficPolicy {
     bool in_the_way = false;
     for (const TrafficAgent& o : others) {
       if (o.id == me.id || !before(o, me)) continue;
-      const double keep = me.radius + o.radius + options.clearance;
+      const double keep = me.radius + o.extent() + options.clearance;
       if (comes_closer(me, o, keep, false) && conflict == nullptr) conflict = &o;
       if (comes_closer(me, o, keep - 0.2 * options.clearance, true)) {
         if (!in_the_way) conflict = &o;
@@ -164,7 +190,7 @@ class TrafficPolicy {
     const auto mine = reach(self);
     for (const TrafficAgent& o : others) {
       if (o.id == self.id) continue;
-      const auto its = stays(o, self) ? std::vector<Point3>{o.position} : reach(o);
+      const auto its = stays(o, self) ? o.places() : reach(o);
       if (closes_in(self, mine, o, its)) return o.id;
     }
     return -1;
@@ -173,18 +199,18 @@ class TrafficPolicy {
  private:
   /// The path of a moving robot until it would stand, told so at the next decision.
   std::vector<Point3> reach(const TrafficAgent& a) const {
-    return detail::head_of(a.path,
-                           a.speed * options.period + 0.5 * a.speed * a.speed / options.braking);
+    return detail::head_of(
+        a.path, a.strayed() + a.speed * options.period + 0.5 * a.speed * a.speed / options.braking);
   }
   /// Whether `a` on its path `mine` comes too near to `o`, on its path `its`, and nearer than it
   /// is.
   bool closes_in(const TrafficAgent& a, std::span<const Point3> mine, const TrafficAgent& o,
                  std::span<const Point3> its) const {
-    if (detail::polyline_distance(mine, its) >= a.radius + o.radius + options.least_gap)
+    if (detail::polyline_distance(mine, its) >= a.extent() + o.extent() + options.least_gap)
       return false;
     bool closing = false;
     for (std::size_t i = 1; i < mine.size(); ++i)
-      closing = closing || (mine[i] - mine[i - 1]).dot(o.position - mine[i - 1]) > 0.0;
+      closing = closing || (mine[i] - mine[i - 1]).dot(o.nearest(mine[i - 1]) - mine[i - 1]) > 0.0;
     return closing;
   }
   /// Whether `self` may count on `o` not to move until the next decision.
@@ -205,14 +231,19 @@ class TrafficPolicy {
   /// going on along its path, or with `me` standing.
   bool comes_closer(const TrafficAgent& me, const TrafficAgent& o, double keep,
                     bool standing) const {
-    const double now = (me.position - o.position).norm();
-    const double limit = std::min(keep, now - 1e-3);
+    const double limit = std::min(keep, o.distance(me.position) - 1e-3);
     constexpr double kStep = 0.25;
     for (double t = kStep; t <= options.horizon; t += kStep) {
       const Point3 p =
           standing || me.path.size() < 2 ? me.position : detail::point_along(me.path, me.speed * t);
-      const Point3 q = o.path.size() < 2 ? o.position : detail::point_along(o.path, o.speed * t);
-      if ((p - q).norm() < limit) return true;
+      // One that may have strayed may as well stand.
+      const double gap =
+          o.strayed() > 0.0
+              ? detail::polyline_distance(std::array<Point3, 1>{p},
+                                          detail::head_of(o.path, o.strayed() + o.speed * t))
+              : (p - (o.path.size() < 2 ? o.position : detail::point_along(o.path, o.speed * t)))
+                    .norm();
+      if (gap < limit) return true;
     }
     return false;
   }
@@ -225,10 +256,9 @@ class TrafficPolicy {
         me.path, 2.0 * me.speed * options.period + 0.5 * me.speed * me.speed / options.braking);
     return std::none_of(others.begin(), others.end(), [&](const TrafficAgent& o) {
       if (o.id == me.id || !before(o, me)) return false;
-      const double keep = me.radius + o.radius + options.clearance;
-      const double gap = (later.position - o.position).norm();
-      return gap < std::min(keep, (me.position - o.position).norm()) ||
-             comes_closer(later, o, keep, true);
+      const double keep = me.radius + o.extent() + options.clearance;
+      const double gap = o.distance(later.position);
+      return gap < std::min(keep, o.distance(me.position)) || comes_closer(later, o, keep, true);
     });
   }
   template <typename Free>
@@ -237,7 +267,7 @@ class TrafficPolicy {
     std::vector<std::vector<Point3>> paths(others.size());
     for (std::size_t i = 0; i < others.size(); ++i) {
       const TrafficAgent& o = others[i];
-      paths[i] = o.path.size() < 2 || !before(o, me) ? std::vector<Point3>{o.position} : o.path;
+      paths[i] = o.path.size() < 2 || !before(o, me) ? o.places() : o.path;
     }
     for (double distance = 0.5; distance <= options.longest_step; distance += 0.5)
       for (int k = 0; k < 40; ++k) {
@@ -253,14 +283,13 @@ class TrafficPolicy {
         for (std::size_t i = 0; good && i < others.size(); ++i) {
           const TrafficAgent& o = others[i];
           if (o.id == me.id) continue;
-          const double gap = me.radius + o.radius + options.least_gap;
-          const double keep = before(o, me) ? me.radius + o.radius + options.clearance : gap;
+          const double gap = me.radius + o.extent() + options.least_gap;
+          const double keep = before(o, me) ? me.radius + o.extent() + options.clearance : gap;
           const std::array<Point3, 1> end{target};
           const std::array<Point3, 2> move{me.position, target};
-          const std::array<Point3, 1> there{o.position};
           good = detail::polyline_distance(end, paths[i]) >= keep &&
-                 detail::polyline_distance(move, there) >=
-                     std::min(gap, (me.position - o.position).norm() - 1e-6);
+                 detail::polyline_distance(move, o.places()) >=
+                     std::min(gap, o.distance(me.position) - 1e-6);
         }
         if (good && free(me.position, target)) return {target, true};
       }
