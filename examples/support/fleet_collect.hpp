@@ -179,6 +179,7 @@ inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
       c.missing.empty() && std::all_of(m.stop_reasons.begin(), m.stop_reasons.end(),
                                        [](StopReason r) { return r == StopReason::complete; });
 
+  require(judged != nullptr, folders[0].path.string() + ": no robot's last end has left a map");
   c.run.map = load_map(judged->path / "map.sfm");
   const nlohmann::json& j = *judged->metrics;
   const double share = j.value("estimated_coverage", 0.0);

@@ -36,6 +36,8 @@ refuse --architecture distributed --network nowhere
 refuse --architecture distributed --announcements off
 refuse --architecture distributed --coverage-goal 1.5
 refuse --architecture distributed --patch-images 0
+refuse --architecture distributed --patch-distance 0
+refuse --patch-distance 2
 refuse --architecture distributed --wait-for-team 0
 for line in 'loss = 2' 'jitter = 1' 'losss = 0.1' 'partition = ["5: 1 | 2"]' 'partition = ["5 to 9: 1 | 4"]' \
     'cut = ["5 to 9: 1 > x"]' 'bandwidth = 0'; do

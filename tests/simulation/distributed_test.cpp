@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -150,6 +151,17 @@ TEST(a_robot_without_work_asks_now_and_then_while_others_work) {
   CHECK(r.mission.complete && r.maps_equal && r.mission.coverage.share() > 0.9);
   CHECK(asked.size() > 3);
   for (std::size_t k = 1; k < asked.size(); ++k) CHECK(asked[k] - asked[k - 1] > 1.99);
+}
+TEST(patches_close_by_distance_too) {
+  const auto patch_bytes = [](std::optional<double> distance) {
+    DistributedOptions d;
+    d.agent.patch_images = 1000;
+    d.agent.patch_distance = distance;
+    const DistributedResult r = fly(2, d);
+    CHECK(r.mission.complete && r.maps_equal);
+    return r.bytes_by_kind[static_cast<std::size_t>(MessageKind::patch)];
+  };
+  CHECK(patch_bytes(0.3) > patch_bytes({}));
 }
 TEST(a_fleet_that_hears_along_lines_of_sight_ends_with_equal_maps) {
   const DistributedResult r = fly(3, {.network = {.line_of_sight = true}});
