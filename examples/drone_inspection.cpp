@@ -33,11 +33,11 @@ Arguments arguments(int argc, char** argv) {
       "to --out.\nExit status: 0 done, 2 input refused, 3 ended early.");
   Arguments a;
   InspectionOptions options(app);
+  app.begin_group("Results");
   app.add("--save-images", options.settings.save_images,
           "folder for the depth images and their poses, as fuse_depth reads them");
   app.add("--out", a.out, "folder for the results");
   app.add_flag("--quiet", a.quiet, "no progress line");
-  app.add_config_file();
   app.add_examples(
       "  drone_inspection --robots 3 --out out/plant          the bundled power plant\n"
       "  drone_inspection --scene bridge.ply --preset statue  your own mesh, finer voxels\n"
