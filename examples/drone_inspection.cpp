@@ -39,7 +39,6 @@ Arguments arguments(int argc, char** argv) {
           "folder for the depth images and their poses, as fuse_depth reads them");
   app.add("--out", a.out, "folder for the results");
   app.add_flag("--quiet", a.quiet, "no progress line");
-  app.add_config_file();
   app.add_examples(
       "  drone_inspection --robots 3 --out out/plant          the bundled power plant\n"
       "  drone_inspection --scene bridge.ply --preset statue  your own mesh, finer voxels\n"

@@ -58,6 +58,7 @@ int run(int argc, char** argv) {
   std::vector<int> fleets{1, 3, 5};
   std::vector<std::string> scenes;
   int trials = 3;
+  app.begin_group("Trials");
   app.add("--out", out, "folder for the results");
   app.add("--planners", planners, "comma-separated").separated_by(',');
   app.add("--fleets", fleets, "comma-separated numbers of drones").separated_by(',');
@@ -66,7 +67,12 @@ int run(int argc, char** argv) {
           "comma-separated, in place of --scene: random:KIND:FIRST-LAST, random:KIND:SEED, or what "
           "--scene takes")
       .separated_by(',');
-  app.add_config_file();
+  // Each of several scenes has parameters of its own.
+  app.leave_out_of_config([&](const std::string&) { return !scenes.empty(); });
+  app.add_examples(
+      "  drone_inspection_trials --scene house --fleets 1,3 --trials 5\n"
+      "  drone_inspection_trials --scenes random:all:1-20 --planners surfleet,tsga --fleets 1 "
+      "--trials 1");
   app.parse(argc, argv);
   if (!scenes.empty()) {
     require(!app.was_given("--scene"), "--scenes: expected no --scene beside it");

@@ -153,6 +153,7 @@ int evaluate_files(int argc, char** argv) {
   EvaluationOptions options;
   app.add("REFERENCE", reference_path, "True surface, mesh or cloud").required();
   app.add("RECONSTRUCTION", reconstruction_path, "Mesh or cloud to judge").required();
+  app.begin_group("Judgement");
   app.add("--emax", options.e_max,
           "A reference point is covered by surface this near [m]; half a voxel's diagonal");
   app.add(
@@ -167,16 +168,20 @@ int evaluate_files(int argc, char** argv) {
           "Points per square metre sampled on meshes; without: about 8 in an M3C2 cylinder");
   app.add("--points", max_core_points, "Reference points judged, at most about");
   app.add("--crop", crop, "Judge only this box: x0 y0 z0 x1 y1 z1 [m]").expected(6);
+  app.begin_group("M3C2");
   app.add("--normal-scale", options.normal_scale,
           "M3C2 D [m]: normals of a cloud are fitted to this ball; without: twice d");
   app.add("--projection-scale", options.projection_scale,
           "M3C2 d [m]: diameter of the cylinder; without: 2/sqrt(3) e_max, a voxel");
   app.add("--max-depth", options.max_depth,
           "M3C2 cylinder to either side [m]; without: twice e_max");
+  app.begin_group("Run");
   app.add("--seed", options.seed, "Seed of the sampling");
   app.add("--threads", options.threads, "Threads; results do not depend on it").within(1, 256);
   app.add("--out", out, "Folder for metrics.json, report.html and error.ply");
-  app.add_config_file();
+  app.add_examples(
+      "  evaluate_reconstruction true.ply reconstruction.ply --emax 0.1 --out out/judged\n"
+      "  evaluate_reconstruction scan.xyz out/mission/map.sfm --sides any");
   app.parse(argc, argv);
 
   const auto positive = [](double v) { return v > 0.0 && std::isfinite(v); };

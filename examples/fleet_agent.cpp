@@ -98,7 +98,6 @@ Arguments arguments(int argc, char** argv) {
   app.begin_group("Results");
   app.add("--out", a.out, "folder for the results");
   app.add_flag("--quiet", a.quiet, "no progress line");
-  app.add_config_file();
   app.add_examples(
       "  start_fleet 3 --scene house --out out/house          three robots on this host, and their "
       "report\n"
@@ -372,8 +371,8 @@ int fly(const Arguments& a) {
   // Whatever can be refused is refused before the first file is made.
   const InspectionInputs inputs = read_inputs(s);
   require_room(a.out);
-  const TeamAgreement agreed =
-      agreement(a, mission_options(s, site).belief, inputs.distributed.packer);
+  const TeamAgreement agreed = agreement(a, SurfaceBelief::checked(mission_options(s, site).belief),
+                                         inputs.distributed.packer);
   const auto team = std::make_shared<DdsTeam>(
       a.robot(), DdsOptions{.domain = static_cast<std::uint32_t>(a.domain),
                             .team = a.team,

@@ -28,7 +28,6 @@ int run(int argc, char** argv) {
       "groundtruth.txt, 5000 units a metre), and camera-intrinsics.txt (3 x 3) unless "
       "--intrinsics\n"
       "is given.\n"
-      "Example: fuse_depth recordings/office --intrinsics 585 585 320 240 --up 0 -1 0\n"
       "Writes reconstruction.ply, points.ply, map.sfm, next_viewpoints.json and .tum, "
       "sensors.tum,\n"
       "metrics.json and report.html to --out.\n"
@@ -42,6 +41,10 @@ int run(int argc, char** argv) {
   app.add("--depth-scale", depth_scale, "units of a pixel's value a metre; default the layout's")
       .positive();
   declare_fusion_options(app, s);
+  app.add_examples(
+      "  fuse_depth recordings/office --intrinsics 585 585 320 240 --up 0 -1 0\n"
+      "  fuse_depth shots --config shots/fuse_depth.toml      what drone_inspection --save-images "
+      "left");
   app.parse(argc, argv);
   check_fusion_settings(s);
   require(!depth_scale || std::isfinite(*depth_scale), "--depth-scale: expected a finite number");

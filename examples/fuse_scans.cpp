@@ -23,7 +23,6 @@ int run(int argc, char** argv) {
       "viewpoints.\n"
       "DIR holds clouds (.ply, .xyz) of points in the frame of the sensor, which is their origin,\n"
       "and NAME.pose.txt (4 x 4, sensor to world) beside each, unless --trajectory is given.\n"
-      "Example: fuse_scans recordings/street --trajectory street.tum --voxel 0.2 --range 1 40\n"
       "Writes reconstruction.ply, points.ply, map.sfm, next_viewpoints.json and .tum, "
       "sensors.tum,\n"
       "metrics.json and report.html to --out.\n"
@@ -37,11 +36,15 @@ int run(int argc, char** argv) {
   std::vector<double> fov{90.0, 60.0};
   app.add("DIR", s.input, "folder of the recording").required();
   app.add("--trajectory", trajectory,
-          "poses in TUM format: as many as scans, in the order of their names, or by time if scans "
-          "are named by theirs");
+          "poses in TUM format: of scans named by their times, 12.5.ply, the nearest within "
+          "--max-time-off; else as many as scans, in the order of their names");
   app.add("--fov", fov, "horizontal and vertical, of the camera of the next views [deg]")
       .expected(2);
   declare_fusion_options(app, s);
+  app.add_examples(
+      "  fuse_scans recordings/street --trajectory street.tum --voxel 0.2 --range 1 40\n"
+      "  fuse_scans recordings/hall --fov 80 50 --views 10    with NAME.pose.txt beside each "
+      "cloud");
   app.parse(argc, argv);
   check_fusion_settings(s);
   constexpr int kWidth = 640, kHeight = 480;

@@ -33,6 +33,7 @@ int run(int argc, char** argv) {
   std::optional<double> standoff, density, hold;
   app.add("MESH", mesh, "the structure (.ply .obj .stl .off) [m]; else --scene");
   InspectionOptions options(app, InspectionProgram::tour);
+  app.begin_group("Tour");
   app.add("--coverage", plan.coverage, "share to be seen of what can be seen");
   app.add("--standoff", standoff, "depth up to which a view counts [m]; default all of --range");
   app.add("--spacing", plan.spacing, "between candidate places [m]").positive();
@@ -42,8 +43,15 @@ int run(int argc, char** argv) {
       "time spent at a viewpoint [s]; default as long as it takes to know surface at the farthest "
       "depth from there alone");
   app.add("--density", density, "samples a square metre; default 0.18 a square of a voxel");
+  app.begin_group("Results");
   app.add("--out", out, "folder for the results");
-  app.add_config_file();
+  app.leave_out_of_config(
+      [&](const std::string& name) { return name == "scene" && !mesh.empty(); });
+  app.add_examples(
+      "  plan_coverage_tour bridge.stl --out out/bridge\n"
+      "  plan_coverage_tour tank.ply --voxel 0.1 --range 1 5 --standoff 3 --radius 0.4 --coverage "
+      "0.98\n"
+      "  plan_coverage_tour --scene statue");
   app.parse(argc, argv);
   if (!mesh.empty()) {
     require(!app.was_given("--scene"), "MESH and --scene: expected one of them");

@@ -37,8 +37,8 @@ struct Settings {
   std::size_t robots = 5, defects = 10;
   std::uint64_t seed = 1;
   int threads = 1;
-  double speed = 0.05, footprint = 0.03, lane = 0.0, spacing = 0.12, dt = 0.5, max_time = 40000.0,
-         range = 0.0, cell = 0.0;
+  double speed = 0.05, footprint = 0.03, spacing = 0.12, dt = 0.5, max_time = 40000.0;
+  std::optional<double> lane, range, cell;  ///< [m]
   std::vector<double> positions;
 };
 
@@ -207,8 +207,8 @@ void run_exploration(const Settings& s, const PlanarEnvironment& world,
                      const std::vector<Point2>& start, const Watch& watch, Outcome& out) {
   DisCoverageOptions options;
   const double size = world.domain.bounds().diagonal().norm();
-  options.range = s.range > 0.0 ? s.range : size / 6.0;
-  options.cell = s.cell > 0.0 ? s.cell : size / 160.0;
+  options.range = s.range.value_or(size / 6.0);
+  options.cell = s.cell.value_or(size / 160.0);
   options.speed = s.speed;
   options.dt = s.dt;
   DisCoverage explore(world.domain, start, options);
@@ -238,8 +238,8 @@ void run_hybrid(const Settings& s, const PlanarEnvironment& world, const std::ve
   HybridOptions options;
   options.speed = s.speed;
   options.footprint = s.footprint;
-  options.lane = s.lane > 0.0 ? s.lane : 2.0 * s.footprint * 0.99;
-  options.cell = s.cell > 0.0 ? s.cell : s.footprint * 2.0 / 3.0;
+  options.lane = s.lane.value_or(2.0 * s.footprint * 0.99);
+  options.cell = s.cell.value_or(s.footprint * 2.0 / 3.0);
   std::vector<TimedPath> paths;
   if (s.mode == "hybrid1") {
     FlockingRun run = flocking_coverage(world.domain, start, options, {.max_time = s.max_time});
@@ -304,33 +304,42 @@ int run(int argc, char** argv) {
       "(baseline).");
   std::string names;
   for (const std::string& n : planar_environment_names()) names += " " + n;
+  app.begin_group("Scene and task");
   app.add("--scene", s.scene,
           "Bundled scene or JSON file with outer, holes, start. Bundled:" + names);
   app.add("--mode", s.mode, "What to do")
       .one_of({"lloyd", "nonconvex", "gradient", "geodesic", "discoverage", "hybrid1", "hybrid2",
                "hybrid3", "random"});
+  app.begin_group("Robots");
   app.add("--robots", s.robots, "Number of robots").within(1, 10000);
+  app.begin_group("Run");
   app.add("--seed", s.seed, "Seed of everything random");
   app.add("--out", s.out, "Output folder");
+  app.begin_group("Robots");
   app.add("--placement", s.placement, "Robots start in a group or at random places")
       .one_of({"group", "random"});
   app.add("--spacing", s.spacing, "Between robots of a group [m]").positive();
   app.add("--positions", s.positions, "Start positions x y x y ... [m]; overrides --robots");
   app.add("--planner", s.planner, "Of mode nonconvex").one_of({"tangentbug", "shortest"});
   app.add("--range", s.range,
-          "Of the sensors [m]; 0: unlimited (a sixth of the scene for discoverage)")
-      .zero_or_more();
+          "Of the sensors [m]; default unlimited (a sixth of the scene for discoverage)")
+      .positive();
   app.add("--speed", s.speed, "Of the robots [m/s]").positive();
   app.add("--dt", s.dt, "Time step [s]").positive();
   app.add("--footprint", s.footprint, "Radius of the footprint [m]").positive();
-  app.add("--lane", s.lane, "Between passes [m]; 0: 0.99 of the footprint's width").zero_or_more();
+  app.begin_group("Coverage");
+  app.add("--lane", s.lane, "Between passes [m]; default 0.99 of the footprint's width").positive();
   app.add("--sweep", s.sweep, "Of hybrid3").one_of({"back_and_forth", "spiral"});
-  app.add("--cell", s.cell, "Of grids [m]; 0: by the size of the scene or footprint")
-      .zero_or_more();
+  app.add("--cell", s.cell, "Of grids [m]; default by the size of the scene or footprint")
+      .positive();
   app.add("--defects", s.defects, "Cracks to be found in the hybrid modes").within(0, 10000);
+  app.begin_group("Run");
   app.add("--max-time", s.max_time, "Stop after this much simulated time [s]").positive();
   app.add("--threads", s.threads, "Threads").within(1, 256);
-  app.add_config_file();
+  app.add_examples(
+      "  planar_coverage --scene u_shape --robots 5                       around obstacles\n"
+      "  planar_coverage --scene office --mode discoverage --range 4      unknown ground\n"
+      "  planar_coverage --scene rooms.json --mode hybrid3 --footprint 0.2");
   app.parse(argc, argv);
 
   const auto began = examples::Clock::now();
@@ -341,7 +350,7 @@ int run(int argc, char** argv) {
   if (s.mode == "lloyd")
     require(is_convex(world.domain),
             "mode lloyd needs a convex scene; choose nonconvex, gradient or geodesic");
-  if (sweeps && s.lane > 2.0 * s.footprint)
+  if (sweeps && s.lane && *s.lane > 2.0 * s.footprint)
     throw Error(
         "--lane: lanes farther apart than the footprint is wide leave gaps; expected at most " +
         short_number(2.0 * s.footprint) + " m");
@@ -353,7 +362,7 @@ int run(int argc, char** argv) {
   for (const Point2& p : start) out.tracks.push_back({p});
   if (s.mode == "nonconvex") {
     TangentBugOptions sensor;
-    if (s.range > 0.0) sensor.range = s.range;
+    if (s.range) sensor.range = *s.range;
     if (s.planner == "shortest")
       run_nonconvex(s, world, start, ShortestPathPlanner{}, watch, out);
     else

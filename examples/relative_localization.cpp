@@ -495,6 +495,7 @@ int run(int argc, char** argv) {
       "Tells where a target of like markers is, in 6-D, from a camera's images: its pose, how "
       "sure, "
       "and when it cannot be told. Without options it simulates a hand-held camera.");
+  app.begin_group("Images and target");
   app.add("--images", s.images, "Folder of PGM or PNG images, in the order of their names");
   app.add("--simulate", s.simulate,
           "Instead: a camera by hand, on a drone, or above a sweeping robot")
@@ -509,6 +510,7 @@ int run(int argc, char** argv) {
       "What tells markers: bright, dark, or colour, a box in --yuv (PNG). Design: their number");
   app.add("--yuv", s.yuv, "Bounds of the colour: Y Y U U V V, least and most, 0 to 255")
       .expected(6);
+  app.begin_group("Simulation");
   app.add("--distance", s.distance, "Simulation: nearest and farthest distance [m]").expected(2);
   app.add("--occlude", s.occlude, "Simulation: a marker is hidden so long every ten seconds [s]")
       .zero_or_more();
@@ -518,23 +520,34 @@ int run(int argc, char** argv) {
       .positive();
   app.add("--grey-noise", s.grey_noise, "Simulation: noise of a pixel [grey levels]")
       .zero_or_more();
+  app.begin_group("Tracking");
   app.add("--pixel-noise", s.pixel_noise, "Expected error of a marker's centre, 1 sigma [px]")
       .positive();
   app.add("--history", s.history, "Poses that the prediction is made from, k_R").within(1, 100);
+  app.begin_group("Simulation");
   app.add("--frames", s.frames, "Simulation: number of frames").within(1, 1000000);
   app.add("--fps", s.fps, "Frames a second").positive();
+  app.begin_group("Results");
   app.add("--truth", s.truth,
           "True poses of the camera in the target's frame (TUM), to compare with");
   app.add("--overlays", s.overlays, "Pictures of frames with what was found").within(0, 1000);
+  app.begin_group("Design");
   app.add_flag("--design", s.design, "Design targets instead");
   app.add("--targets", s.designs.targets, "Design: number of targets");
   app.add("--weight", s.designs.weight, "Design: weight of the least difference of distances");
   app.add("--bounds", s.bounds, "Design: D1 D2 H, distances and least height [m]").expected(3);
   app.add("--starts", s.designs.starts, "Design: searches").within(1, 1000000);
+  app.begin_group("Run");
   app.add("--seed", s.seed, "Seed of the simulation or design");
   app.add("--threads", s.threads, "Threads of the design").within(1, 256);
+  app.begin_group("Results");
   app.add("--out", s.out, "Output folder");
-  app.add_config_file();
+  app.leave_out_of_config([&](const std::string& name) { return name == "markers" && s.design; });
+  app.add_examples(
+      "  relative_localization --simulate sweep --frames 500      robots that sweep below a "
+      "camera\n"
+      "  relative_localization --images shots --camera lens.toml --target small --markers dark\n"
+      "  relative_localization --design --markers 4 --targets 2");
   app.parse(argc, argv);
   if (s.design) {
     if (app.was_given("--markers")) {

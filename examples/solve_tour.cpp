@@ -25,13 +25,19 @@ int run(int argc, char** argv) {
   std::optional<int> start;
   bool maximize = false, open = false;
   app.add("file", file, "TSPLIB file").required();
+  app.begin_group("Search");
   app.add("--time-limit", time_limit_s, "Seconds to search");
   app.add("--iterations", iterations,
           "Search this many perturbations instead of a time: the same result everywhere");
   app.add("--seed", seed, "Seed of the search");
   app.add("--start", start, "First node of the tour, numbered from 1 as in the file");
+  app.begin_group("Tour");
   app.add_flag("--maximize", maximize, "Search for the longest tour");
   app.add_flag("--open", open, "Search for a path that does not return to where it began");
+  app.add_examples(
+      "  solve_tour berlin52.tsp                               a second of search\n"
+      "  solve_tour rbg323.atsp --iterations 100000 --seed 7   the same everywhere\n"
+      "  solve_tour br17.atsp --open --start 1");
   app.parse(argc, argv);
   require(time_limit_s > 0.0 && time_limit_s <= 1e6,
           "--time-limit " + std::to_string(time_limit_s) + "; expected seconds in (0, 1e6]");

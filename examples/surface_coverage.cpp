@@ -35,8 +35,8 @@ using namespace surfleet;
 struct Settings {
   std::string scene = "bumpy_slope", out = "out/surface_coverage", coordinator = "substitution",
               distance = "faces", field = "uniform";
-  double edge = 0.0, ratio = 2.0, sensing = 0.0, communication = 0.0, sweep_range = 0.0,
-         speed = 0.1, footprint = 0.0;
+  std::optional<double> edge, sensing, communication, sweep_range, footprint;  ///< [m]
+  double ratio = 2.0, speed = 0.1;
   int robots = 10, rounds = 1, max_steps = 20000;
   std::uint64_t seed = 1;
   bool asynchronous = false, sweep = true, balance = true, largest = false, quiet = false;
@@ -50,11 +50,14 @@ Settings settings(int argc, char** argv) {
       "A group of robots divides a curved surface among themselves, and each sweeps its part.\n"
       "Writes metrics.json, regions.ply, sweep_regions.ply, sweep_K.tum, pictures and report.html "
       "to --out.\nExit status: 0 done, 2 input refused, 3 ended early.");
+  app.begin_group("Scene");
   app.add("--scene", s.scene, examples::kSurfaceScenes);
-  app.add("--edge", s.edge, "edge length of a bundled scene [m]; 0: its own default");
+  app.add("--edge", s.edge, "edge length of a bundled scene [m]; default its own").positive();
+  app.begin_group("Robots");
   app.add("--robots", s.robots, "how many");
   app.add("--starts", s.starts, "where they start: X Y Z for each [m]; else at random");
   app.add("--seed", s.seed, "of the random starts and of the coordinator");
+  app.begin_group("Deployment");
   app.add("--coordinator", s.coordinator, "wavefront, exchange or substitution")
       .one_of({"wavefront", "exchange", "substitution"});
   app.add("--distance", s.distance, "along edges, or straight across faces")
@@ -65,33 +68,40 @@ Settings settings(int argc, char** argv) {
   app.add("--ratio", s.ratio, "by how much regions stretch in a directional field");
   app.add("--rounds", s.rounds, "k_R of the vertex exchange");
   app.add_flag("--async", s.asynchronous, "one robot at a time, in a random order");
-  app.add("--sensing", s.sensing, "sensing range on an unknown surface [m]; 0: it is known");
-  app.add("--communication", s.communication, "communication range [m]; 0: unlimited");
+  app.add("--sensing", s.sensing, "sensing range on an unknown surface [m]; default: it is known")
+      .positive();
+  app.add("--communication", s.communication, "communication range [m]; default unlimited")
+      .positive();
+  app.begin_group("Sweep");
   app.add_flag("--sweep,!--no-sweep", s.sweep, "one covering path per robot after the deployment");
   app.add_flag("--balance,!--no-balance", s.balance, "even out the work before the sweep");
   app.add("--sweep-range", s.sweep_range,
-          "path a robot can sweep before it must deploy anew [m]; 0: unlimited");
+          "path a robot can sweep before it must deploy anew [m]; default unlimited")
+      .positive();
   app.add("--events", s.events,
           "with --sweep-range: fail:ITERATION:ROBOT or join:ITERATION:TRIANGLE");
-  app.add("--footprint", s.footprint, "width a robot covers [m]; 0: that of the mesh");
+  app.add("--footprint", s.footprint, "width a robot covers [m]; default that of the mesh")
+      .positive();
   app.add("--speed", s.speed, "of the robots [m/s]");
   app.add("--max-steps", s.max_steps, "of the deployment");
   app.add_flag("--largest-component", s.largest, "leave out all but the largest connected part");
+  app.begin_group("Results");
   app.add("--out", s.out, "folder for the results");
   app.add_flag("--quiet", s.quiet, "no progress line");
-  app.add_config_file();
+  app.add_examples(
+      "  surface_coverage --scene sphere --robots 6 --no-sweep\n"
+      "  surface_coverage --scene hull.ply --largest-component --coordinator exchange "
+      "--sweep-range 60");
   app.parse(argc, argv);
   require(s.robots >= 1, "--robots: expected 1 or more");
   require(s.rounds >= 1, "--rounds: expected 1 or more");
   require(s.max_steps >= 1, "--max-steps: expected 1 or more");
   require(s.speed > 0.0, "--speed: expected more than 0 m/s");
-  for (const double v : {s.edge, s.sensing, s.communication, s.sweep_range, s.footprint})
-    require(v >= 0.0 && std::isfinite(v), "lengths: expected 0 or more metres");
   require(s.ratio > 0.0 && std::isfinite(s.ratio), "--ratio: expected more than 0");
   require(
       s.starts.empty() || s.starts.size() == 3 * static_cast<std::size_t>(s.robots),
       "--starts: expected three numbers for each of the " + std::to_string(s.robots) + " robots");
-  require(s.events.empty() || s.sweep_range > 0.0, "--events: expected --sweep-range with them");
+  require(s.events.empty() || s.sweep_range, "--events: expected --sweep-range with them");
   return s;
 }
 
@@ -207,7 +217,7 @@ Deployment deploy(const Settings& s, const TriangleMesh& mesh, const SurfaceGrap
   d.final_cost = d.cost.back();
   d.steps = cover->steps();
   d.converged = cover->converged();
-  if (s.sensing > 0.0) d.known = cover->maps().known_fraction(cover->graph());
+  if (s.sensing) d.known = cover->maps().known_fraction(cover->graph());
   d.regions = cover->regions();
   d.vertices = on_vertices(true);
   d.neighbours = dual_delaunay(d.regions.dual->links, d.regions.region);
@@ -307,8 +317,8 @@ int run(int argc, char** argv) {
   options.asynchronous = s.asynchronous;
   options.seed = s.seed;
   options.field = field(s, mesh);
-  if (s.sensing > 0.0) options.sensing_range = s.sensing;
-  if (s.communication > 0.0) options.communication_range = s.communication;
+  if (s.sensing) options.sensing_range = *s.sensing;
+  if (s.communication) options.communication_range = *s.communication;
 
   cli::ProgressLine line(!s.quiet);
   line("reading the surface");
@@ -340,9 +350,9 @@ int run(int argc, char** argv) {
   std::size_t iterations = 0;
   bool complete = !s.sweep;
   if (s.sweep && !cli::interrupted()) {
-    if (s.sweep_range > 0.0) {
+    if (s.sweep_range) {
       HybridSurfaceOptions hybrid;
-      hybrid.sweep_range = s.sweep_range;
+      hybrid.sweep_range = *s.sweep_range;
       hybrid.balance = s.balance;
       hybrid.seed = s.seed;
       hybrid.field = options.field;
@@ -400,7 +410,7 @@ int run(int argc, char** argv) {
     }
   }
 
-  const double footprint = s.footprint > 0.0 ? s.footprint : strip_footprint(mesh);
+  const double footprint = s.footprint ? *s.footprint : strip_footprint(mesh);
   double total = 0.0, transfer = 0.0;
   for (const double l : lengths) total += l;
   for (const double l : transfers) transfer += l;

@@ -45,9 +45,10 @@ using namespace surfleet;
 struct Settings {
   std::string scene = "bumpy_slope", out = "out/surface_navigation", search = "geodesic",
               field = "continuous", robot = "point", blocked, cover_by = "tour";
-  double edge = 0.0, curvature = 0.0, turn = 0.0, slope = 0.0, speed = 0.05, ahead = 0.02;
+  std::optional<double> edge, sense;  ///< [m]
+  double curvature = 0.0, turn = 0.0, slope = 0.0, speed = 0.05, ahead = 0.02;
   std::vector<double> start, goal, noise{0.0, 0.0};
-  double off_surface = 0.1, sense = 0.0;
+  double off_surface = 0.1;
   long samples = 5000;
   std::uint64_t seed = 1;
   bool cover = false, quiet = false;
@@ -64,12 +65,14 @@ Settings settings(int argc, char** argv) {
       "metrics.json, "
       "surface.ply, strip.ply, path.tum, driven.tum, a picture and report.html to --out.\n"
       "Exit status: 0 done, 2 input refused, 3 a goal was not reached.");
+  app.begin_group("Scene and task");
   app.add("--scene", s.scene, examples::kSurfaceScenes);
   app.add("--method", s.method,
           "strip: over a mesh; dense: over a point cloud (.ply without triangles, .xyz) or samples "
           "of a scene, by tensor voting and A* over cells and headings; sparse: by RRT* over the "
           "points of such a cloud, and a bicycle's motions on quadrics")
       .one_of({"strip", "dense", "sparse"});
+  app.begin_group("Clouds and scans");
   app.add("--samples", s.samples, "of the tree (sparse)").positive();
   examples::CloudNavigation& c = s.cloud;
   app.add("--density", c.density, "of the samples of a scene [1/m^2] (dense)").positive();
@@ -79,9 +82,9 @@ Settings settings(int argc, char** argv) {
   app.add("--cloud-noise", c.cloud_noise, "on samples, or along beams [m] (dense, --reconstruct)")
       .zero_or_more();
   app.add("--spacing", c.spacing,
-          "least between points kept [m]; 0: all (dense); 0.02, and for ftm 3 times the noise "
+          "least between points kept [m]; default all (dense); 0.02, and for ftm 3 times the noise "
           "(--reconstruct)")
-      .zero_or_more();
+      .positive();
   app.add("--outliers", c.outliers,
           "points so many deviations lonelier than the mean go; 0: none (dense, --reconstruct)")
       .zero_or_more();
@@ -91,18 +94,18 @@ Settings settings(int argc, char** argv) {
           "triangles, .xyz): itm joins one scan's points as the sensor sees them, mls averages "
           "many, ftm grows over them; none: the scene's own mesh (strip)")
       .one_of({"none", "itm", "mls", "ftm"});
-  app.add("--support", r.support, "of the averaging [m]; 0: 4 voxels (mls)").zero_or_more();
-  app.add("--faces", r.faces, "simplify the mesh to so many triangles; 0: as it is (strip)")
-      .zero_or_more();
+  app.add("--support", r.support, "of the averaging [m]; default 4 voxels (mls)").positive();
+  app.add("--faces", r.faces, "simplify the mesh to so many triangles; default as it is (strip)")
+      .positive();
   app.add("--voting", c.voting,
           "sheets: moved points, edges where planes meet; balls: as printed (dense)")
       .one_of({"sheets", "balls"});
   app.add("--vote-scale", c.vote_scale,
-          "of voting [m]; 0: the larger of 0.06 and 3 times the points' spacing (dense)")
-      .zero_or_more();
+          "of voting [m]; default the larger of 0.06 and 3 times the points' spacing (dense)")
+      .positive();
   app.add("--mask", c.mask, "tokens keep so many scales apart (dense)").zero_or_more();
-  app.add("--voxel", c.voxel, "side of a cell [m]; 0: 0.58 scales (dense), 1.5 spacings (mls)")
-      .zero_or_more();
+  app.add("--voxel", c.voxel, "side of a cell [m]; default 0.58 scales (dense), 1.5 spacings (mls)")
+      .positive();
   app.add("--edge-threshold", c.edge_threshold, "least plate share of an edge, 0 to 1 (dense)")
       .zero_or_more();
   app.add("--inflate", c.inflate, "edges by this [m] (dense)").zero_or_more();
@@ -110,10 +113,12 @@ Settings settings(int argc, char** argv) {
           "K1 K2 K3 K4 of distance, low saliency [1/m], turns [m/rad^2], bends taken askew "
           "[1/rad^2] (dense); else 1 2 0.02 0.1");
   app.add("--threads", c.threads, "for voting (dense) and --reconstruct").positive();
-  app.add("--edge", s.edge, "edge length of a bundled scene [m]; 0: its own default");
+  app.begin_group("Scene and task");
+  app.add("--edge", s.edge, "edge length of a bundled scene [m]; default its own").positive();
   app.add("--start", s.start, "X Y Z [m], on the nearest triangle; else one end of the scene");
   app.add("--goal", s.goal, "X Y Z [m] of each goal, in order; else the other end");
   app.add("--off-surface", s.off_surface, "how far start and goals may lie off the surface [m]");
+  app.begin_group("Path");
   app.add("--search", s.search,
           "geodesic: the triangles under a shortest path; dual: A* from centroid to centroid; "
           "midpoints: from edge to edge")
@@ -124,9 +129,10 @@ Settings settings(int argc, char** argv) {
   app.add("--slope", s.slope, "weight of steepness (dual, midpoints)").zero_or_more();
   app.add("--blocked", s.blocked, "file of triangle numbers that may not be entered");
   app.add("--sense", s.sense,
-          "blocked triangles are seen from so far, and the strip is planned again under way; 0: "
-          "all are known from the start [m]")
-      .zero_or_more();
+          "blocked triangles are seen from so far, and the strip is planned again under way; "
+          "default: all are known from the start [m]")
+      .positive();
+  app.begin_group("Driving");
   app.add("--field", s.field, "continuous (eq. 7.1) or perpendicular to every edge crossed")
       .one_of({"continuous", "perpendicular"});
   app.add("--robot", s.robot,
@@ -143,16 +149,20 @@ Settings settings(int argc, char** argv) {
          "tour: over whole triangles, some of them again; single: every piece once, some triangles "
          "halved, and again only on detours past borders")
       .one_of({"tour", "single"});
+  app.begin_group("Results");
   app.add("--out", s.out, "folder for the results");
   app.add_flag("--quiet", s.quiet, "no progress line");
-  app.add_config_file();
+  app.add_examples(
+      "  surface_navigation --scene mock_up --robot magnebike\n"
+      "  surface_navigation --edge 0.2 --cover --cover-by single\n"
+      "  surface_navigation --scene tube --scan-from -0.4 0 0 0.4 0 0 --reconstruct mls\n"
+      "  surface_navigation --scene hall.xyz --method sparse --start 0 0 0 --goal 4 1 0");
   app.parse(argc, argv);
-  require(s.edge >= 0.0 && std::isfinite(s.edge), "--edge: expected 0 or more metres");
   require(s.start.empty() || s.start.size() == 3, "--start: expected three numbers");
   require(s.goal.size() % 3 == 0, "--goal: expected three numbers for each goal");
   require(s.method == "strip" || (!s.cover && s.blocked.empty() && s.robot == "point"),
           "--cover, --blocked, --robot: expected --method strip with them");
-  require(s.method == "strip" || (r.reconstruct == "none" && r.faces == 0),
+  require(s.method == "strip" || (r.reconstruct == "none" && !r.faces),
           "--reconstruct, --faces: expected --method strip with them");
   require(!s.cover || s.goal.empty(), "--cover: expected no --goal with it");
   require(!s.cover || s.robot != "magnebike", "--cover: expected --robot point or epuck");
@@ -211,7 +221,7 @@ class Navigation {
                                                   : "the robot stands in a blocked triangle";
       return leg;
     }
-    if (s_.sense > 0.0 && !s_.blocked.empty()) return plan_under_way(start, goal);
+    if (s_.sense && !s_.blocked.empty()) return plan_under_way(start, goal);
     const bool free = search_.costs().user.empty();
     std::optional<std::vector<std::int32_t>> strip;
     if (s_.search == "geodesic") strip = geodesic_.triangles(start, goal);
@@ -248,7 +258,7 @@ class Navigation {
     const auto sense = [&](const Point3& from) {
       const std::size_t before = unsensed.size();
       std::erase_if(unsensed, [&](std::int32_t t) {
-        if ((mesh.centroid(static_cast<std::size_t>(t)) - from).norm() > s_.sense) return false;
+        if ((mesh.centroid(static_cast<std::size_t>(t)) - from).norm() > *s_.sense) return false;
         plan.set_user_cost(t, std::numeric_limits<double>::infinity());
         return true;
       });

@@ -4,10 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -16,6 +19,22 @@
 #include <surfleet/core/version.hpp>
 
 namespace surfleet::cli {
+namespace {
+/// Holds numbers to what `holds` says; others are refused with what is `expected`. `name` stands in
+/// the help.
+template <typename Holds>
+CLI::Validator in_words(const std::string& name, const std::string& expected, Holds holds) {
+  return CLI::Validator(
+      [=](std::string& text) {
+        double value = 0.0;
+        const bool good =
+            CLI::detail::lexical_cast(text, value) && std::isfinite(value) && holds(value);
+        return good ? std::string() : "'" + text + "': expected " + expected;
+      },
+      name);
+}
+}  // namespace
+
 Option& Option::required() {
   option_->required();
   return *this;
@@ -29,15 +48,17 @@ Option& Option::one_of(const std::vector<std::string>& words) {
   return *this;
 }
 Option& Option::within(int least, int most) {
-  option_->check(CLI::Range(least, most));
+  const std::string range = std::to_string(least) + " to " + std::to_string(most);
+  option_->check(
+      in_words("[" + range + "]", range, [=](double v) { return v >= least && v <= most; }));
   return *this;
 }
 Option& Option::positive() {
-  option_->check(CLI::PositiveNumber);
+  option_->check(in_words("POSITIVE", "more than 0", [](double v) { return v > 0.0; }));
   return *this;
 }
 Option& Option::zero_or_more() {
-  option_->check(CLI::NonNegativeNumber);
+  option_->check(in_words("NONNEGATIVE", "0 or more", [](double v) { return v >= 0.0; }));
   return *this;
 }
 Option& Option::separated_by(char mark) {
@@ -77,7 +98,30 @@ std::string check_value(const std::string& text) {
 }
 }  // namespace
 
+namespace {
+/// TOML as the parser reads it, but that a # in quotes begins no comment.
+class SettingsFile : public CLI::ConfigTOML {
+ public:
+  SettingsFile() { comment('\0'); }
+  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+    std::stringstream bare;
+    for (std::string line; std::getline(input, line);) {
+      char quote = '\0';
+      std::size_t end = 0;
+      for (; end < line.size() && (quote != '\0' || line[end] != '#'); ++end)
+        if (quote != '\0')
+          quote = line[end] == quote ? '\0' : quote;
+        else if (line[end] == '"' || line[end] == '\'')
+          quote = line[end];
+      bare << line.substr(0, end) << '\n';
+    }
+    return CLI::ConfigTOML::from_config(bare);
+  }
+};
+}  // namespace
+
 Options::Options(const std::string& description) : app_(std::make_unique<CLI::App>(description)) {
+  app_->config_formatter(std::make_shared<SettingsFile>());
   // A setting in a file that is not read would be a mistake that is not seen.
   app_->allow_config_extras(CLI::config_extras_mode::error);
   app_->set_version_flag("--version", "Surfleet " + std::to_string(SURFLEET_VERSION_MAJOR) + "." +
@@ -89,7 +133,6 @@ Options::~Options() = default;
 
 Option Options::declare(const std::string& name, const Variable& variable,
                         const std::string& help) {
-  if (name.starts_with("--")) variables_.emplace_back(name.substr(2), variable);
   return std::visit(
       [&](auto* value) {
         CLI::Option* option = app_->add_option(name, *value, help);
@@ -97,6 +140,7 @@ Option Options::declare(const std::string& name, const Variable& variable,
         if constexpr (requires { value->empty(); }) shown = !value->empty();
         if constexpr (requires { value->has_value(); }) shown = value->has_value();
         if (shown) option->capture_default_str();
+        if (name.starts_with("--")) variables_.push_back({name.substr(2), variable, !shown});
         using Value = typename ValueOf<std::decay_t<decltype(*value)>>::type;
         option->check([](const std::string& text) { return check_value<Value>(text); });
         if (!group_.empty()) option->group(group_);
@@ -119,7 +163,12 @@ void Options::add_config_file() {
 
 namespace {
 /// As TOML has it; nothing for what is not set.
-std::string in_toml(const std::string& value) { return value.empty() ? "" : '"' + value + '"'; }
+std::string in_toml(const std::string& value) {
+  const char quote = value.find('"') == value.npos ? '"' : '\'';
+  require(value.find(quote) == value.npos && value.find_first_of("\r\n") == value.npos,
+          "'" + value + "': no settings file can hold both kinds of quotes, or more than a line");
+  return quote + value + quote;
+}
 template <typename Number>
 requires std::is_arithmetic_v<Number> std::string in_toml(Number value) {
   std::array<char, 40> text;
@@ -139,16 +188,21 @@ std::string in_toml(const std::vector<T>& values) {
 
 std::string Options::as_config() const {
   std::string text;
-  for (const auto& [name, variable] : variables_) {
+  const auto left_out = [this](const std::string& name) {
+    return omit_ && omit_(name) && !was_given("--" + name);
+  };
+  for (const auto& [name, variable, begins_empty] : variables_) {
     const std::string value = std::visit([](const auto* v) { return in_toml(*v); }, variable);
-    if (!value.empty()) text += name + " = " + value + '\n';
+    const bool unset = value.empty() || (begins_empty && value == in_toml(std::string()));
+    if (!unset && !left_out(name)) text += name + " = " + value + '\n';
   }
   for (const auto& [name, value] : flags_)
-    if (*value) text += name + " = true\n";
+    if (!left_out(name)) text += name + (*value ? " = true\n" : " = false\n");
   return text;
 }
 
 void Options::parse(int argc, const char* const* argv) {
+  add_config_file();
   try {
     app_->parse(argc, argv);
   } catch (const CLI::Success& e) {

@@ -115,12 +115,16 @@ class Options {
   void begin_group(const std::string& title);
   /// Command lines that the help ends with, one a line.
   void add_examples(const std::string& lines);
-  /// --config FILE sets what the command line leaves; --print-config says what holds in the form of
-  /// such a file, and leaves `run` with status 0.
-  void add_config_file();
   /// Called before --print-config prints, to set what follows from other options.
   void settle_before_printing(std::function<void()> settle) { settle_ = std::move(settle); }
-  /// Help and version are printed and leave `run` with status 0; a wrong option is an `Error`.
+  /// Which options --print-config leaves out unless they were given: what others stand in place of.
+  /// Asked by names without dashes, once all is parsed.
+  void leave_out_of_config(std::function<bool(const std::string& name)> omit) {
+    omit_ = std::move(omit);
+  }
+  /// --config FILE sets what the command line leaves. Help, version and --print-config, which says
+  /// what holds in the form of such a file, leave `run` with status 0; a wrong option is an
+  /// `Error`.
   void parse(int argc, const char* const* argv);
   /// Takes the options from the text of such a file alone. Throws `Error`.
   void parse_config(std::istream& file);
@@ -130,14 +134,21 @@ class Options {
   std::map<std::string, std::vector<std::string>> given() const;
 
  private:
+  void add_config_file();
   Option declare(const std::string& name, const Variable& variable, const std::string& help);
-  /// All that has a value, as a file for --config.
+  /// All that has a value, as a file for --config. Throws `Error` for text that no file can hold.
   std::string as_config() const;
   std::unique_ptr<CLI::App> app_;
   std::string group_;  ///< Of what is declared next; empty: the parser's own.
-  std::vector<std::pair<std::string, Variable>> variables_;  ///< By names without dashes.
+  struct Declared {
+    std::string name;  ///< Without dashes.
+    Variable variable;
+    bool begins_empty;
+  };
+  std::vector<Declared> variables_;
   std::vector<std::pair<std::string, const bool*>> flags_;
   std::function<void()> settle_;
+  std::function<bool(const std::string&)> omit_;
   bool print_config_ = false;
 };
 

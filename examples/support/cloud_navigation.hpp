@@ -42,8 +42,9 @@
 namespace surfleet::examples {
 struct CloudNavigation {
   std::string scene, out, voting = "sheets";
-  double edge = 0.0, density = 3600.0, cloud_noise = 0.0, spacing = 0.0, outliers = 3.0;
-  double vote_scale = 0.0, mask = 0.5, voxel = 0.0, edge_threshold = 0.06, inflate = 0.0;
+  std::optional<double> edge, spacing, vote_scale, voxel;  ///< [m]
+  double density = 3600.0, cloud_noise = 0.0, outliers = 3.0;
+  double mask = 0.5, edge_threshold = 0.06, inflate = 0.0;
   std::vector<double> scan_from, cost, start, goal;
   double off_surface = 0.1, speed = 0.05;
   std::uint64_t seed = 1;
@@ -122,8 +123,7 @@ inline Input usable_input(const CloudNavigation& s) {
   Input in = input(s);
   in.raw = in.cloud.size();
   in.cloud = selected(in.cloud, finite_points(in.cloud.points));
-  if (s.spacing > 0.0)
-    in.cloud = selected(in.cloud, evenly_spaced(in.cloud.points, s.spacing, s.seed));
+  if (s.spacing) in.cloud = selected(in.cloud, evenly_spaced(in.cloud.points, *s.spacing, s.seed));
   if (s.outliers > 0.0)
     in.cloud = selected(in.cloud,
                         inliers(in.cloud.points, {.deviations = s.outliers, .threads = s.threads}));
@@ -135,7 +135,7 @@ inline Input usable_input(const CloudNavigation& s) {
 /// σ [m]: as asked for, else the larger of the MagneBike's wheel and three spacings.
 inline double voting_scale(const CloudNavigation& s, std::span<const Point3> points) {
   constexpr double kWheel = 0.06;  // [m]
-  return s.vote_scale > 0.0 ? s.vote_scale : std::max(kWheel, 3.0 * median_spacing(points));
+  return s.vote_scale ? *s.vote_scale : std::max(kWheel, 3.0 * median_spacing(points));
 }
 
 /// Places every 5 mm along the edges of a mesh that fold by more than 30°.
@@ -234,7 +234,7 @@ inline int navigate_cloud(const CloudNavigation& s) {
   require(s.cost.empty() || s.cost.size() == 4, "--cost: expected four weights");
   const Input in = usable_input(s);
   const double scale = voting_scale(s, in.cloud.points);
-  const double voxel = s.voxel > 0.0 ? s.voxel : scale * 0.035 / 0.06;
+  const double voxel = s.voxel.value_or(scale * 0.035 / 0.06);
   cli::ProgressLine line(!s.quiet);
 
   line("voting");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <fstream>
 #include <span>
@@ -64,10 +65,69 @@ void add_with_pose_file(const fs::path& file, const fs::path& pose, double time,
     skipped.add("bad_pose", e.what());
   }
 }
-std::vector<double> times_of(const Trajectory& trajectory) {
-  std::vector<double> times;
-  for (const StampedPose& p : trajectory) times.push_back(p.time);
-  return times;
+/// The lines of a trajectory's file, of which some are no poses, by time.
+class RecordedPoses {
+ public:
+  RecordedPoses(const fs::path& file, double max_time_off)
+      : file_(file), max_time_off_(max_time_off) {
+    in_order_ = parse_tum_lines(text_of(read_file(file)));
+    for (const TumLine& line : in_order_)
+      if (line.time) by_time_.push_back(&line);
+    std::stable_sort(by_time_.begin(), by_time_.end(),
+                     [](const TumLine* a, const TumLine* b) { return *a->time < *b->time; });
+    for (const TumLine* line : by_time_) times_.push_back(*line->time);
+  }
+  RecordedPoses(const RecordedPoses&) = delete;
+  RecordedPoses& operator=(const RecordedPoses&) = delete;
+
+  std::size_t size() const { return in_order_.size(); }
+  bool has_near(double time) const {
+    return nearest_in_time(times_, time, max_time_off_).has_value();
+  }
+  /// A frame with the pose nearest to `time`, or nothing with the reason counted.
+  void add_nearest(const fs::path& frame, double time, SkippedFrames& skipped,
+                   std::vector<RecordedFrame>& frames) const {
+    if (const auto at = nearest_in_time(times_, time, max_time_off_))
+      add(frame, *by_time_[*at], time, skipped, frames);
+    else
+      skipped.add("no_pose", frame.string() + ": no pose in " + file_.string() + " within " +
+                                 std::to_string(max_time_off_) + " s of its time " +
+                                 std::to_string(time));
+  }
+  /// The same with the pose of the `i`th line that has one.
+  void add_at(std::size_t i, const fs::path& frame, SkippedFrames& skipped,
+              std::vector<RecordedFrame>& frames) const {
+    add(frame, in_order_[i], in_order_[i].time.value_or(0.0), skipped, frames);
+  }
+  /// Refuses what is no pose, if that is strict; else it counts once a frame would need it.
+  void check(const SkippedFrames& skipped) const {
+    for (const TumLine& line : in_order_)
+      require(line.error.empty() || !skipped.strict(), why(line));
+  }
+
+ private:
+  std::string why(const TumLine& line) const {
+    return file_.string() + ": line " + std::to_string(line.number) + ": " + line.error;
+  }
+  void add(const fs::path& frame, const TumLine& line, double time, SkippedFrames& skipped,
+           std::vector<RecordedFrame>& frames) const {
+    if (line.error.empty())
+      frames.push_back({frame, line.T_world_body, time});
+    else
+      skipped.add("bad_pose", why(line));
+  }
+
+  fs::path file_;
+  double max_time_off_;
+  std::vector<TumLine> in_order_;
+  std::vector<const TumLine*> by_time_;
+  std::vector<double> times_;
+};
+
+/// Of a scan that is named by a number, as by the time when it was taken.
+std::optional<double> number_in_name(const fs::path& cloud) {
+  const auto number = parse_number<double>(cloud.stem().string());
+  return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 /// Keeps the frames whose images have the size that most have.
@@ -137,16 +197,11 @@ DepthFolder open_depth_folder(const fs::path& folder, double max_time_off, Skipp
     }
   } else if (listed) {
     found.units_per_metre = 5000.0;
-    const Trajectory truth = read_tum(folder / "groundtruth.txt");
-    const std::vector<double> times = times_of(truth);
-    for (const StampedFile& f : read_stamped_files(folder / "depth.txt")) {
-      const auto at = nearest_in_time(times, f.time, max_time_off);
-      if (at)
-        found.frames.push_back({folder / f.file, truth[*at].T_world_body, f.time});
-      else
-        skipped.add("no_pose", (folder / f.file).string() + ": no pose within " +
-                                   std::to_string(max_time_off) + " s of its time");
-    }
+    const RecordedPoses truth(folder / "groundtruth.txt", max_time_off);
+    truth.check(skipped);
+    const auto skip = [&](const std::string& why) { skipped.add("bad_line", why); };
+    for (const StampedFile& f : read_stamped_files(folder / "depth.txt", skip))
+      truth.add_nearest(folder / f.file, f.time, skipped, found.frames);
   } else {
     throw Error(folder.string() +
                 ": no depth images; expected NAME.depth.png with NAME.pose.txt (7-Scenes) or "
@@ -163,9 +218,13 @@ DepthFolder open_depth_folder(const fs::path& folder, double max_time_off, Skipp
 std::vector<RecordedFrame> open_scan_folder(const fs::path& folder, const std::string& trajectory,
                                             double max_time_off, SkippedFrames& skipped) {
   constexpr std::array<std::string_view, 2> kClouds{".ply", ".xyz"};
-  const std::vector<fs::path> clouds = files_ending_in(folder, kClouds);
+  std::vector<fs::path> clouds = files_ending_in(folder, kClouds);
   require(!clouds.empty(),
           folder.string() + ": no scans; expected clouds as .ply or .xyz with their poses");
+  if (std::all_of(clouds.begin(), clouds.end(), number_in_name))
+    std::stable_sort(clouds.begin(), clouds.end(), [](const fs::path& a, const fs::path& b) {
+      return *number_in_name(a) < *number_in_name(b);
+    });
   std::vector<RecordedFrame> frames;
   if (trajectory.empty()) {
     double number = 0.0;
@@ -173,27 +232,29 @@ std::vector<RecordedFrame> open_scan_folder(const fs::path& folder, const std::s
       add_with_pose_file(cloud, without(cloud, cloud.extension().string()) + ".pose.txt", number++,
                          skipped, frames);
   } else {
-    const Trajectory poses = read_tum(trajectory);
-    const std::vector<double> times = times_of(poses);
+    const RecordedPoses poses(trajectory, max_time_off);
+    poses.check(skipped);
     std::vector<double> stamps;
+    bool with_decimals = false, all_near = true;
     for (const fs::path& cloud : clouds)
-      if (const auto stamp = parse_number<double>(cloud.stem().string())) stamps.push_back(*stamp);
-    const bool by_time = stamps.size() == clouds.size();
-    require(by_time || poses.size() == clouds.size(),
+      if (const auto stamp = number_in_name(cloud)) {
+        stamps.push_back(*stamp);
+        with_decimals = with_decimals || cloud.stem().string().find('.') != std::string::npos;
+        all_near = all_near && poses.has_near(*stamp);
+      }
+    const bool as_many = poses.size() == clouds.size();
+    const bool numbered = stamps.size() == clouds.size();
+    require(numbered || as_many,
             trajectory + ": " + std::to_string(poses.size()) + " poses for " +
                 std::to_string(clouds.size()) +
                 " scans; expected one each, in the order of their names, or scans named by time");
-    for (std::size_t i = 0; i < clouds.size(); ++i) {
-      // As many poses as scans belong together whatever their times.
-      const auto at = poses.size() == clouds.size()
-                          ? std::optional(i)
-                          : nearest_in_time(times, stamps[i], max_time_off);
-      if (at)
-        frames.push_back({clouds[i], poses[*at].T_world_body, poses[*at].time});
+    // Whole numbers may be no times: as many poses then belong to the scans in order.
+    const bool by_time = numbered && (with_decimals || all_near || !as_many);
+    for (std::size_t i = 0; i < clouds.size(); ++i)
+      if (by_time)
+        poses.add_nearest(clouds[i], stamps[i], skipped, frames);
       else
-        skipped.add("no_pose", clouds[i].string() + ": no pose within " +
-                                   std::to_string(max_time_off) + " s of its time");
-    }
+        poses.add_at(i, clouds[i], skipped, frames);
   }
   require(!frames.empty(), folder.string() + ": no scan can be used; " + skipped.summary());
   return frames;

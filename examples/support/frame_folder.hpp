@@ -26,6 +26,7 @@ class SkippedFrames {
     if (first_.empty()) first_ = why;
     ++counts_[reason];
   }
+  bool strict() const { return strict_; }
   const std::map<std::string, int>& counts() const { return counts_; }
   int total() const {
     int sum = 0;
@@ -56,14 +57,18 @@ struct DepthFolder {
 };
 /// Finds the depth images of a folder and their poses, in the layout of 7-Scenes
 /// (`NAME.depth.png` beside `NAME.pose.txt`, millimetres) or of TUM RGB-D (`depth.txt`,
-/// `groundtruth.txt`, 5000 units a metre; poses at most `max_time_off` [s] away). Sizes are read
-/// from the images' headers alone. Throws `Error` if it is neither or nothing in it can be used.
+/// `groundtruth.txt`, 5000 units a metre; poses at most `max_time_off` [s] away; a frame whose
+/// nearest pose is none is skipped). Sizes are read from the images' headers alone. Throws `Error`
+/// if it is neither or nothing in it can be used.
 DepthFolder open_depth_folder(const std::filesystem::path& folder, double max_time_off,
                               SkippedFrames& skipped);
 
-/// Finds the clouds (`.ply`, `.xyz`) of a folder in the order of their names and their poses: a
-/// file `NAME.pose.txt` beside each, or a trajectory in TUM format with one pose a cloud, or, where
-/// the names are times, one at most `max_time_off` [s] away. Throws `Error` likewise.
+/// Finds the clouds (`.ply`, `.xyz`) of a folder in the order of their names, by value if these are
+/// numbers, and their poses: a file `NAME.pose.txt` beside each, or a trajectory in TUM format.
+///
+/// Scans named by times (numbers, some with decimals, or all with a pose near, or not as many as
+/// poses) have the pose nearest in time, at most `max_time_off` [s] away; others are as many as
+/// poses, in the same order. Throws `Error` likewise.
 std::vector<RecordedFrame> open_scan_folder(const std::filesystem::path& folder,
                                             const std::string& trajectory, double max_time_off,
                                             SkippedFrames& skipped);

@@ -214,6 +214,7 @@ Pose FusionSettings::upright() const {
 }
 
 void declare_fusion_options(cli::Options& app, FusionSettings& s) {
+  app.begin_group("Map");
   app.add("--voxel", s.voxel, "edge of a voxel [m]");
   app.add("--range", s.range, "nearest and farthest that is trusted [m]; what is farther carves")
       .expected(2);
@@ -228,17 +229,19 @@ void declare_fusion_options(cli::Options& app, FusionSettings& s) {
   app.add("--up", s.up,
           "direction that is up in the frame of the poses; results are turned so that it is z")
       .expected(3);
+  app.begin_group("Recording");
   app.add("--max-time-off", s.max_time_off, "most between an observation and its pose [s]");
   app.add_flag("--strict", s.strict, "refuse what cannot be used, rather than skip and count it");
+  app.begin_group("Next viewpoints");
   app.add("--views", s.views, "next viewpoints, at most").within(0, 1000);
   app.add("--standoff", s.standoff,
           "delta_pose, distance of a view [m]; default the middle of --range");
   app.add("--pitch", s.pitch, "of the camera of the next views, downwards [deg]");
   app.add("--radius", s.radius, "of the body that needs seen free space at a view [m]");
+  app.begin_group("Run");
   app.add("--threads", s.threads, "threads; the result is the same for any number").within(1, 256);
   app.add("--out", s.out, "folder for the results");
   app.add_flag("--quiet", s.quiet, "no progress line");
-  app.add_config_file();
 }
 
 void check_fusion_settings(const FusionSettings& s) {

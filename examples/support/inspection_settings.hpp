@@ -285,7 +285,7 @@ class InspectionOptions {
       app.add("--utility-share", settings.utility_share,
               "c_thres: share of a route's work whose completion asks for a new plan; default 0.2, "
               "tsga 0.8 and 0.5 with --preset statue, nnb 0.1");
-      app.add("--max-looks", settings.max_views, "views in vain before an element is given up");
+      app.add("--max-views", settings.max_views, "views in vain before an element is given up");
       app.add("--merge-distance", settings.merge.distance,
               "epsilon: viewpoints this near are one, if they face alike [m] (all but surfleet and "
               "tours)");
@@ -508,7 +508,7 @@ class InspectionOptions {
     positive(s.cluster_radius, "--cluster-radius");
     require(s.lambda_tc >= 0.0 && s.lambda_ic >= 0.0,
             "--lambda-tc, --lambda-ic: expected 0 or more");
-    require(s.max_views >= 1 && s.max_views <= 100, "--max-looks: expected 1 to 100");
+    require(s.max_views >= 1 && s.max_views <= 100, "--max-views: expected 1 to 100");
     const double share = s.utility_share.value_or(1.0);
     require(share > 0.0 && share <= 1.0, "--utility-share: expected (0, 1]");
     const std::string& a = s.architecture;

@@ -29,9 +29,10 @@
 namespace surfleet::examples {
 struct ScannedSurface {
   std::string scene, reconstruct = "none";
-  double edge = 0.0, noise = 0.0, spacing = 0.0, outliers = 3.0, support = 0.0, voxel = 0.0;
+  std::optional<double> edge, spacing, support, voxel;  ///< [m]
+  double noise = 0.0, outliers = 3.0;
   std::vector<double> scan_from;
-  long faces = 0;
+  std::optional<int> faces;
   std::uint64_t seed = 1;
   int threads = 1;
 };
@@ -93,13 +94,13 @@ inline std::vector<Scan> scans(const ScannedSurface& s, TriangleMesh& truth) {
 /// What averages many scans, with its cloud.
 inline MovingLeastSquares<> averaging(const ScannedSurface& s) {
   MovingLeastSquares<> average;
-  average.options.cloud = {.spacing = s.spacing > 0.0 ? s.spacing : 0.02,
+  average.options.cloud = {.spacing = s.spacing.value_or(0.02),
                            .outliers = s.outliers,
                            .neighbors = 40,
                            .seed = s.seed,
                            .threads = s.threads};
-  average.options.voxel = s.voxel > 0.0 ? s.voxel : 1.5 * average.options.cloud.spacing;
-  average.options.support = s.support > 0.0 ? s.support : 4.0 * average.options.voxel;
+  average.options.voxel = s.voxel.value_or(1.5 * average.options.cloud.spacing);
+  average.options.support = s.support.value_or(4.0 * average.options.voxel);
   average.options.threads = s.threads;
   return average;
 }
@@ -144,11 +145,10 @@ inline TriangleMesh scanned_surface_mesh(const ScannedSurface& s, nlohmann::json
     } else {
       GreedyProjection reconstruct;
       // Points must lie apart by more than their noise before they are joined one by one.
-      reconstruct.options.cloud = {
-          .spacing = s.spacing > 0.0 ? s.spacing : std::max(0.02, 3.0 * s.noise),
-          .outliers = s.outliers,
-          .seed = s.seed,
-          .threads = s.threads};
+      reconstruct.options.cloud = {.spacing = s.spacing.value_or(std::max(0.02, 3.0 * s.noise)),
+                                   .outliers = s.outliers,
+                                   .seed = s.seed,
+                                   .threads = s.threads};
       mesh = reconstruct(scans);
     }
     require(!mesh.empty(), "--reconstruct: no triangle came of the points; expected denser scans");
@@ -162,10 +162,10 @@ inline TriangleMesh scanned_surface_mesh(const ScannedSurface& s, nlohmann::json
       metrics["reconstruction_missing_p95_m"] = error.from_truth.percentile_95;
     }
   }
-  if (s.faces > 0) {
+  if (s.faces) {
     mesh = clean_surface(mesh);
-    if (mesh.triangles.size() > static_cast<std::size_t>(s.faces))
-      mesh = simplified(mesh, {.triangles = static_cast<std::size_t>(s.faces)});
+    if (mesh.triangles.size() > static_cast<std::size_t>(*s.faces))
+      mesh = simplified(mesh, {.triangles = static_cast<std::size_t>(*s.faces)});
   }
   return mesh;
 }

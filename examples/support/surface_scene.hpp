@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include <surfleet/core/error.hpp>
@@ -20,10 +21,10 @@ inline constexpr const char* kSurfaceScenes =
     "hole), "
     "or a mesh file (.ply .obj .stl .off)";
 
-/// A bundled surface with edges of about `edge` [m], 0 for its own default, or the mesh in a file,
+/// A bundled surface with edges of about `edge` [m], by default its own, or the mesh in a file,
 /// as it is. Throws `Error`.
-inline TriangleMesh surface_scene(const std::string& name, double edge) {
-  const auto edge_or = [&](double otherwise) { return edge > 0.0 ? edge : otherwise; };
+inline TriangleMesh surface_scene(const std::string& name, std::optional<double> edge) {
+  const auto edge_or = [&](double otherwise) { return edge.value_or(otherwise); };
   if (name == "bumpy_slope") return bumpy_slope({.edge = edge_or(0.05)});
   if (name == "bumpy_slope_hole") return bumpy_slope({.edge = edge_or(0.05), .hole = true});
   if (name == "steam_chest") return steam_chest(edge_or(0.04));

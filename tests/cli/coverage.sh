@@ -8,6 +8,8 @@ set -eu
 printf 'robots = 3\nseed = 5\n' >three.toml
 "$bin/planar_coverage" --config three.toml --out three >three.txt 2>three.err
 [ "$(value three robots)" = 3 ]
+"$bin/planar_coverage" --mode geodesic --robots 3 --out geodesic >geodesic.txt 2>geodesic.err ||
+  fail "$(cat geodesic.err)"
 "$bin/surface_coverage" --robots 5 --out surface >surface.txt 2>surface.err
 [ -s surface/metrics.json ] && [ -s surface/report.html ] && [ -s surface/regions.ply ]
 awk -v s="$(value surface swept_fraction)" -v c="$(value surface final_cost)" \

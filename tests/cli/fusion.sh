@@ -77,6 +77,58 @@ for count in 'bad_pose 2' 'no_pose 1' 'bad_image 3' 'no_image 1' 'other_size 1';
   grep -q "$count" skipped.txt || fail "no $count in: $(cat skipped.txt)"
 done
 
+# One bad frame of six, in either layout, is counted, and the others make the map; or it is refused.
+six() {
+  rm -rf six && mkdir -p six/depth
+  cp shots/camera-intrinsics.txt six/
+  local n=0 name shot
+  printf '# poses\n' >six/groundtruth.txt
+  for shot in $(ls shots/*.depth.png | head -n 6); do
+    name=$n
+    n=$((n + 1))
+    if [ "$1" = scenes ]; then
+      cp "$shot" six/$name.depth.png && cp "${shot%.depth.png}.pose.txt" six/$name.pose.txt
+    else
+      cp "$shot" six/depth/$name.png && echo "$name.01 depth/$name.png" >>six/depth.txt
+      awk -v n=$n '!/^#/ { if (++k == n) { $1 = n - 1; print } }' fused1/sensors.tum >>six/groundtruth.txt
+    fi
+  done
+  [ "$1" = tum ] || rm -r six/depth six/groundtruth.txt
+}
+# tum_pose NUMBERS: in place of what stands after the time of the frame in the middle.
+tum_pose() { sed -i "s/^3 .*/3 $1/" six/groundtruth.txt; }
+small_png='\211PNG\r\n\032\n\0\0\0\rIHDR\0\0\0\012\0\0\0\012\020\0\0\0\0\0\0\0\0'
+for layout in scenes tum; do
+  [ $layout = scenes ] && image=six/3.depth.png || image=six/depth/3.png
+  for fault in no_image no_pose bad_image other_size bad_pose nan bad_line; do
+    reason=$fault
+    six $layout
+    case $layout.$fault in
+      *.no_image) rm $image ;;
+      *.bad_image) head -c 700 $image >cut.png && mv cut.png $image ;;
+      *.other_size) printf "$small_png" >$image ;;
+      scenes.no_pose) rm six/3.pose.txt ;;
+      tum.no_pose) sed -i '/^3 /d' six/groundtruth.txt ;;
+      scenes.bad_pose) printf '1 0 0 0\n0 1 0 0\n0 0 -1 0\n0 0 0 1\n' >six/3.pose.txt ;;
+      tum.bad_pose) tum_pose '0 0 0 0 0 0 0' ;;
+      scenes.nan) printf '1 0 0 0\n0 1 0 nan\n0 0 1 0\n0 0 0 1\n' >six/3.pose.txt && reason=bad_pose ;;
+      tum.nan) tum_pose '0 0 nan 0 0 0 1' && reason=bad_pose ;;
+      scenes.bad_line) printf '1 0 0 0\n0 1 0' >six/3.pose.txt && reason=bad_pose ;;
+      tum.bad_line) sed -i 's/^3.01.*/3.01/' six/depth.txt ;;
+    esac
+    options="six --config shots/fuse_depth.toml --depth-scale 1000 --views 0 --quiet"
+    "$bin/fuse_depth" $options --out five >five.txt || fail "$layout, $fault: refused"
+    [ "$(value five frames)" = 5 ] && [ "$(value five frames_skipped)" = 1 ] && grep -q "$reason 1" five.txt ||
+      fail "$layout, $fault: $(cat five.txt)"
+    refused fuse_depth $options --strict --out out
+  done
+  six $layout
+  "$bin/fuse_depth" $options --strict --out five >five.txt || fail "$layout: six good frames are refused"
+done
+# A file of poses that is none leaves no frame.
+printf 'not a pose\n' >six/groundtruth.txt
+refused fuse_depth $options --out out
+
 refused fuse_depth bad --strict --quiet --config shots/fuse_depth.toml --out out
 # A file that is cut short is found out half way, and even then nothing is written.
 mkdir cut && cp bad/camera-intrinsics.txt cut
@@ -117,6 +169,22 @@ cmp wall1/map.sfm wall3/map.sfm
 awk -v a="$(value wall1 mesh_area_m2)" 'BEGIN { if (a < 15 || a > 18.8) { print "wall of", a; exit 1 } }'
 "$bin/fuse_scans" scans --voxel 0.1 --range 0.5 10 --up 1 0 0 --quiet --out floor >floor.txt
 [ "$(value floor mesh_triangles)" -gt 100 ]
+# Times with more decimals or fewer are numbers, whatever the order of their names; what has no pose near is
+# counted, though there be as many.
+mkdir timed
+cp scans/1.xyz timed/9.25.xyz && cp scans/2.xyz timed/10.5.xyz && cp scans/1.xyz timed/11.xyz
+printf '9.250000 0 0 0 0 0 0 1\n10.5100 -1 0.5 0 0 0 0 1\n30 5 5 5 0 0 0 1\n' >timed.tum
+"$bin/fuse_scans" timed --voxel 0.1 --range 0.5 10 --trajectory timed.tum --quiet --out wall5 >wall.txt
+cmp wall1/map.sfm wall5/map.sfm
+[ "$(value wall5 frames)" = 2 ] && grep -q 'no_pose 1' wall.txt || fail "$(cat wall.txt)"
+refused fuse_scans timed --voxel 0.1 --range 0.5 10 --trajectory timed.tum --strict --quiet --out out
+refused fuse_scans timed --voxel 0.1 --range 0.5 10 --trajectory timed.tum --max-time-off 0.001 --strict --out out
+# A pose that is not rigid costs its scan.
+rm timed/11.xyz
+printf '9.25 0 0 0 0 0 0 1\n10.5 -1 0.5 0 0 0 0 0.5\n' >timed.tum
+"$bin/fuse_scans" timed --voxel 0.1 --range 0.5 10 --trajectory timed.tum --quiet --out wall6 >wall.txt
+[ "$(value wall6 frames)" = 1 ] && grep -q 'bad_pose 1' wall.txt || fail "$(cat wall.txt)"
+refused fuse_scans timed --voxel 0.1 --range 0.5 10 --trajectory timed.tum --strict --quiet --out out
 rm scans/2.pose.txt && echo '1 2' >scans/3.xyz && cp scans/1.pose.txt scans/3.pose.txt
 "$bin/fuse_scans" scans --voxel 0.1 --range 0.5 10 --quiet --out wall4 >wall.txt
 grep -q 'no_pose 1' wall.txt && grep -q 'bad_scan 1' wall.txt || fail "$(cat wall.txt)"
@@ -125,5 +193,5 @@ refused fuse_scans scans --trajectory walk.tum --max-time-off 0 --quiet --out ou
 refused fuse_scans empty --out out
 for program in fuse_depth fuse_scans; do
   "$bin/$program" --help >help.txt
-  grep -q 'Example: ' help.txt && grep -q -- --known-weight help.txt || fail "$program --help"
+  grep -q 'Examples:' help.txt && grep -q -- --known-weight help.txt || fail "$program --help"
 done

@@ -53,3 +53,16 @@ TEST(bad_lines_are_refused_with_their_number) {
   }
   CHECK_THROWS(Error, read_tum("/nonexistent/file"));
 }
+
+TEST(lines_that_are_no_pose_leave_the_others) {
+  const auto lines = parse_tum_lines(
+      "# t\n1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 0\n3 0 0 nan 0 0 0 1\n\ncut\n4 1 0 0 0 0 0 1 9\n"
+      "0.5 1 0 0 0 0 0 1\n5 7 0 0 0 0 0 1\r\n6 0 0");
+  CHECK(lines.size() == 8);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    CHECK(lines[i].error.empty() == (i == 0 || i == 6));
+  CHECK(lines[1].time == 2.0 && lines[2].time == 3.0 && !lines[3].time && lines[7].time == 6.0);
+  CHECK(lines[3].number == 6 && lines[6].number == 9);
+  CHECK(lines[6].T_world_body.translation() == Point3(7, 0, 0));
+  CHECK(lines[1].error.find("rigid") != std::string::npos);
+}

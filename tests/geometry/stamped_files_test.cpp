@@ -29,6 +29,14 @@ TEST(stamped_files_are_read_line_by_line) {
   }
 }
 
+TEST(bad_lines_are_passed_over_where_that_is_asked_for) {
+  std::vector<std::string> told;
+  const auto files = parse_stamped_files("1 a\n2\nx b\n3 c", "depth.txt",
+                                         [&](const std::string& why) { told.push_back(why); });
+  CHECK(files.size() == 2 && files[1].file == "c");
+  CHECK(told.size() == 2 && told[1].starts_with("depth.txt: line 3: "));
+}
+
 TEST(nearest_in_time_is_that_of_a_full_search) {
   Random random(5);
   for (int round = 0; round < 200; ++round) {

@@ -289,7 +289,7 @@ TEST(views_come_from_sides_that_promise_something) {
   const ViewpointSet refused = generate_viewpoints(std::span(elements), states, kCamera, options,
                                                    AlwaysTrue{}, AlwaysTrue{}, none);
   CHECK(refused.empty() && refused.unseen.size() == elements.size());
-  for (const UnseenElement& u : refused.unseen) CHECK(u.reason == NoViewReason::looked_at);
+  for (const UnseenElement& u : refused.unseen) CHECK(u.reason == NoViewReason::viewed_in_vain);
 }
 TEST(what_is_unknown_round_a_corner_asks_for_another_place) {
   // A duct of one voxel into the wall, whose bottom has an unknown voxel at its side.

@@ -9,16 +9,17 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include <surfleet/core/binary_io.hpp>
 #include <surfleet/core/error.hpp>
-#include <surfleet/core/parse_number.hpp>
 #include <surfleet/core/types.hpp>
+#include <surfleet/geometry/text_scanner.hpp>
 
 namespace surfleet {
 /// Where a body was at a moment.
@@ -55,44 +56,60 @@ inline std::string format_tum(std::span<const StampedPose> trajectory) {
   return text;
 }
 
-/// Reads the text of a TUM file; `name` stands for the file in errors. Blank lines and lines that
-/// begin with `#` are passed over. Throws `Error` on a line that is not eight finite numbers, on a
-/// quaternion whose length is more than a hundredth off one, and on times that run backwards.
+/// A line of a TUM file: a pose, or why it is none.
+struct TumLine {
+  std::size_t number = 0;      ///< From 1 on.
+  std::optional<double> time;  ///< [s]; of a line that is no pose, too, where it can be read.
+  Pose T_world_body = Pose::Identity();
+  std::string error;  ///< Empty of a pose.
+};
+
+/// Reads the text of a TUM file line by line, in order; blank lines and lines that begin with `#`
+/// are passed over. No pose is a line that is not eight finite numbers, whose quaternion's length
+/// is more than a hundredth off one, or whose time is before that of the last pose. O(text).
+inline std::vector<TumLine> parse_tum_lines(std::string_view text) {
+  std::vector<TumLine> lines;
+  std::optional<double> last;
+  TextScanner scanner(text);
+  while (const auto line = scanner.next_line()) {
+    TextScanner words(*line);
+    std::array<double, 8> row{};
+    std::size_t count = 0;
+    bool numbers = true;
+    TumLine found;
+    found.number = scanner.line();
+    auto word = words.next_word();
+    if (!word || word->front() == '#') continue;
+    for (; word; word = words.next_word(), ++count) {
+      const auto value = parse_number<double>(*word);
+      const bool finite = value && std::isfinite(*value);
+      if (finite && count == 0) found.time = *value;
+      if (finite && count < row.size()) row[count] = *value;
+      numbers = numbers && finite;
+    }
+    const Eigen::Quaterniond q(row[7], row[4], row[5], row[6]);
+    if (!numbers || count != row.size())
+      found.error = "expected eight finite numbers: time tx ty tz qx qy qz qw";
+    else if (!(std::abs(q.norm() - 1.0) <= 0.01))
+      found.error = "not rigid; expected a quaternion of length one";
+    else if (last && row[0] < *last)
+      found.error = "expected times that do not decrease";
+    if (found.error.empty()) {
+      last = row[0];
+      found.T_world_body.linear() = q.normalized().toRotationMatrix();
+      found.T_world_body.translation() = Point3(row[1], row[2], row[3]);
+    }
+    lines.push_back(std::move(found));
+  }
+  return lines;
+}
+/// The same of a file in which every line is a pose; `name` stands for it in errors. Throws `Error`
+/// at the first that is none.
 inline Trajectory parse_tum(std::string_view text, const std::string& name = "trajectory") {
   Trajectory trajectory;
-  std::size_t line_number = 0;
-  while (!text.empty()) {
-    ++line_number;
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    const auto refuse = [&](const char* why) {
-      throw Error(name + ": line " + std::to_string(line_number) + ": " + why);
-    };
-    const auto skip_blanks = [&line] {
-      line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
-    };
-    skip_blanks();
-    if (line.empty() || line.front() == '#') continue;
-    std::array<double, 8> row{};
-    for (double& value : row) {
-      const auto used = parse_prefix(line, value);
-      const bool ended = used && (*used == line.size() || line[*used] == ' ' ||
-                                  line[*used] == '\t' || line[*used] == '\r');
-      if (!ended || !std::isfinite(value))
-        refuse("expected eight finite numbers: time tx ty tz qx qy qz qw");
-      line.remove_prefix(*used);
-      skip_blanks();
-    }
-    if (!line.empty()) refuse("expected no more than eight numbers");
-    Eigen::Quaterniond q(row[7], row[4], row[5], row[6]);
-    if (!(std::abs(q.norm() - 1.0) <= 0.01)) refuse("expected a quaternion of length one");
-    if (!trajectory.empty() && row[0] < trajectory.back().time)
-      refuse("expected times that do not decrease");
-    StampedPose stamped{row[0], Pose::Identity()};
-    stamped.T_world_body.linear() = q.normalized().toRotationMatrix();
-    stamped.T_world_body.translation() = Point3(row[1], row[2], row[3]);
-    trajectory.push_back(stamped);
+  for (const TumLine& line : parse_tum_lines(text)) {
+    require(line.error.empty(), name + ": line " + std::to_string(line.number) + ": " + line.error);
+    trajectory.push_back({*line.time, line.T_world_body});
   }
   return trajectory;
 }

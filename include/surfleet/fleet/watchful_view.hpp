@@ -11,6 +11,7 @@
 
 #include <surfleet/planning/surface_belief.hpp>
 #include <surfleet/viewpoint/sight_targets.hpp>
+#include <surfleet/viewpoint/view_limits.hpp>
 #include <surfleet/viewpoint/visibility.hpp>
 
 namespace surfleet {
@@ -19,7 +20,7 @@ namespace surfleet {
 inline std::optional<Configuration> watchful_view(const SurfaceBelief& belief,
                                                   const KindSpace& space, const Point3& here) {
   std::vector<SightTarget> near;
-  const double reach = 0.85 * space.kind.camera.max_range;
+  const double reach = kUsefulRange * space.kind.camera.max_range;
   for (const IncompleteElement& e : belief.goals())
     if ((e.position - here).squaredNorm() < reach * reach)
       near.push_back({e.frontier(belief.voxel_size()), e.direction, 1.0, 2});

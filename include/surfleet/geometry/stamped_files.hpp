@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,10 +26,12 @@ struct StampedFile {
 };
 
 /// Reads the text of such a list, as `depth.txt` of the TUM RGB-D data sets; `name` stands for the
-/// file in errors. Blank lines and lines that begin with `#` are passed over. Throws `Error` on a
-/// line that is not a finite time and one file name. O(text).
-inline std::vector<StampedFile> parse_stamped_files(std::string_view text,
-                                                    const std::string& name = "list") {
+/// file in errors. Blank lines and lines that begin with `#` are passed over. A line that is not a
+/// finite time and one file name is passed over too if `skip` takes the reason; else throws
+/// `Error`. O(text).
+inline std::vector<StampedFile> parse_stamped_files(
+    std::string_view text, const std::string& name = "list",
+    const std::function<void(const std::string& why)>& skip = {}) {
   std::vector<StampedFile> files;
   TextScanner lines(text);
   while (const auto line = lines.next_line()) {
@@ -37,15 +40,22 @@ inline std::vector<StampedFile> parse_stamped_files(std::string_view text,
     if (!first || first->front() == '#') continue;
     const auto time = parse_number<double>(*first);
     const auto file = words.next_word();
-    if (!time || !std::isfinite(*time) || !file || words.next_word())
-      throw Error(name + ": line " + std::to_string(lines.line()) + ": expected a time and a file");
-    files.push_back({*time, std::string(*file)});
+    if (time && std::isfinite(*time) && file && !words.next_word()) {
+      files.push_back({*time, std::string(*file)});
+      continue;
+    }
+    const std::string why =
+        name + ": line " + std::to_string(lines.line()) + ": expected a time and a file";
+    if (!skip) throw Error(why);
+    skip(why);
   }
   return files;
 }
-inline std::vector<StampedFile> read_stamped_files(const std::filesystem::path& path) {
+inline std::vector<StampedFile> read_stamped_files(
+    const std::filesystem::path& path,
+    const std::function<void(const std::string& why)>& skip = {}) {
   const Bytes bytes = read_file(path);
-  return parse_stamped_files(text_of(bytes), path.string());
+  return parse_stamped_files(text_of(bytes), path.string(), skip);
 }
 
 /// The index of the time nearest to `time`, the earlier of two as near; nothing if that is more

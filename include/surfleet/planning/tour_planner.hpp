@@ -263,7 +263,7 @@ class TourPlanner {
   }
   static LeftReason left_reason(NoViewReason reason) {
     switch (reason) {
-      case NoViewReason::looked_at:
+      case NoViewReason::viewed_in_vain:
         return LeftReason::seen_incomplete;
       case NoViewReason::unreachable:
         return LeftReason::unreachable;

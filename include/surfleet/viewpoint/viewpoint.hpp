@@ -22,16 +22,16 @@ struct Viewpoint {
 
 /// Why an incomplete element has no viewpoint.
 enum class NoViewReason : std::uint8_t {
-  looked_at,     ///< It could be seen, but only from where a view was in vain.
-  outside_view,  ///< The camera's mount lets it be seen only from beyond the allowed angle.
-  occluded,      ///< Something stands in every line of sight.
-  no_free_pose,  ///< It could be seen, but the robot does not fit where it would have to be.
-  unreachable,   ///< It could be seen from free poses, none of which can be reached.
+  viewed_in_vain,  ///< It could be seen, but only from where a view was in vain.
+  outside_view,    ///< The camera's mount lets it be seen only from beyond the allowed angle.
+  occluded,        ///< Something stands in every line of sight.
+  no_free_pose,    ///< It could be seen, but the robot does not fit where it would have to be.
+  unreachable,     ///< It could be seen from free poses, none of which can be reached.
 };
 inline const char* to_string(NoViewReason r) {
   switch (r) {
-    case NoViewReason::looked_at:
-      return "looked_at";
+    case NoViewReason::viewed_in_vain:
+      return "viewed_in_vain";
     case NoViewReason::outside_view:
       return "outside_view";
     case NoViewReason::occluded:

@@ -237,7 +237,7 @@ class ViewpointGenerator {
              min_distance_;
     };
     choice.reason = free       ? NoViewReason::unreachable
-                    : refused  ? NoViewReason::looked_at
+                    : refused  ? NoViewReason::viewed_in_vain
                     : !in_band ? NoViewReason::outside_view
                     : in_sight || std::any_of(order_.begin(), order_.end(), opens)
                         ? NoViewReason::no_free_pose
