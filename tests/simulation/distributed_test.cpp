@@ -25,6 +25,14 @@ DistributedResult fly(int robots, const DistributedOptions& d, int threads = 1) 
       o, d, world, box_world::starts(robots),
       [&](RobotId) { return make_planner("tsga", {.standoff = 2.0}); });
   DistributedResult result = simulation.run();
+  // Nothing that honest robots say is disbelieved.
+  for (int r = 0; r < robots; ++r) {
+    const MessageDrops drops = simulation.robot(static_cast<RobotId>(r)).drops();
+    for (std::size_t why = 0; why < kMessageDrops; ++why)
+      if (const auto reason = static_cast<MessageDrop>(why);
+          reason != MessageDrop::replayed && reason != MessageDrop::outdated)
+        CHECK(drops[reason] == 0);
+  }
   double least = 1e9;
   const auto& all = result.mission.trajectories;
   for (std::size_t r = 0; r < all.size(); ++r)

@@ -6,6 +6,8 @@
 namespace surfleet {
 struct AgentOptions;
 struct Envelope;
+class MessageDrops;
+class MessageError;
 class MessageGuard;
 struct MessageGuardOptions;
 struct NetworkConditions;

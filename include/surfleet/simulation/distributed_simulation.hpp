@@ -125,6 +125,7 @@ class DistributedSimulation {
     const auto id = static_cast<RobotId>(r);
     DistributedAgentOptions own = distributed_.agent;
     own.incarnation += incarnation;
+    own.sync.robots = own.relay.robots = static_cast<RobotId>(fleet_.size());
     AgentOptions agent = options_.agent;
     agent.home = homes_[r];
     return std::make_unique<Robot>(id, options_.kind, *bodies_[r], options_.belief, agent,
