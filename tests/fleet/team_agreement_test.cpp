@@ -58,6 +58,8 @@ TEST(notes_that_are_none_are_passed_over) {
         "surfleet,alpha,1,5,3,x,0.9,0.3,1,5,0", "surfleet,alpha,1,5,3,0.3,0.9,0.3,1,5,-1",
         "surfleet,alpha,1,5,3,0.3,0.9,0.3,1,5,0,4"})
     CHECK(!TeamAgreement::read(note));
+  for (const char* team : {"a\nb", "\x1b[2J", "a b", "\xc3\xa4"})
+    CHECK(!TeamAgreement::read("surfleet," + std::string(team) + ",1,5,3,0.3,0.9,0.3,1,5,0"));
   CHECK(!TeamAgreement::read(std::string(100000, ',')));
   CHECK(TeamAgreement::read("surfleet,alpha,1,7,whatever")->protocol == 7);
   CHECK(TeamAgreement::read("surfleet,alpha,1,5,3,0.3,0.9,0.3,1,5,1")->packing == 1);

@@ -5,7 +5,9 @@
 ///     if (const auto why = disagreement(ours, *TeamAgreement::read(note))) refuse(*why);
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
@@ -46,7 +48,11 @@ struct TeamAgreement {
         words.back() += c;
     if (words.size() < 4 || words[0] != kMark) return std::nullopt;
     TeamAgreement a;
-    a.team = words[1];
+    a.team = words[1];  // which is told to people
+    const bool plain = std::all_of(a.team.begin(), a.team.end(), [](unsigned char c) {
+      return std::isalnum(c) != 0 || c == '_' || c == '-';
+    });
+    if (!plain) return std::nullopt;
     const auto robot = parse_number<std::uint32_t>(words[2]);
     const auto protocol = parse_number<std::uint32_t>(words[3]);
     if (!robot || !protocol) return std::nullopt;

@@ -185,6 +185,7 @@ class DistributedSimulation {
       const Robot& robot = *robots_[r];
       record_.add_planning_robot(robot, ended_);
       result_.redundant_stops += robot.redundant_stops();
+      result_.refused += robot.drops();
       result_.bytes_sent.push_back(network_.bytes_sent(static_cast<RobotId>(r)));
       if (!alive_[r]) continue;
       m.complete = m.complete && robot.agent().stop_reason().value_or(StopReason::complete) ==
