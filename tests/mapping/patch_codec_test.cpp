@@ -222,6 +222,12 @@ TEST(patches_are_as_large_as_their_images_can_show_and_no_larger) {
       for (const MapPatch& p : recorder.close({}, limits))
         CHECK(!refused(encode_patch(p).bytes, limits, PlainPacker{}));
     }
+  const PatchLimits fine = patch_limits(lidar, 0.01, 0.03);
+  CHECK(fine.most_blocks(1) == fine.blocks && fine.most_hits(1) == fine.hits);
+  CHECK(detail::kPatchHeaderBytes + 4 + fine.blocks * detail::kMostPatchBlock +
+            fine.hits * detail::kMostPatchHit +
+            fine.notes * (detail::kViewBytes + detail::kFailureBytes) <
+        std::size_t{16} << 20);
   // A block more than images can give is a bomb.
   const PatchLimits limits = patch_limits(
       PinholeCamera::from_fov(radians(90.0), radians(60.0), 80, 60, 0.1, 1.0), 0.3, 0.9);

@@ -184,11 +184,11 @@ class TeamRelay {
     };
     if (head.robot >= options_.robots || head.hops > options_.hops)
       return drop(MessageDrop::beyond_limits);
-    if (head.robot == self_) return nullptr;
     // No robot speaks for itself through others, nor for others as itself.
     const bool itself = head.robot == message.sender;
     if ((head.hops == 0) != itself || (itself && head.incarnation != message.incarnation))
       return drop(MessageDrop::impostor);
+    if (head.robot == self_) return nullptr;
     Mate& mate = mates_[head.robot];
     const std::optional<NewsHead>& said = mate.*own;
     const auto runs_ahead = [&](const NewsHead& told) {

@@ -69,10 +69,12 @@ inline double farthest_seen(const SensorModel& sensor, double truncation) {
   return (c.max_range + truncation) * stretch;
 }
 
-/// The limits of patches of such a sensor. What one image shows is within a ball of
-/// `farthest_seen`, and the blocks that meet a ball lie in one that is larger by their diagonal.
+/// The limits of patches of such a sensor: of 16 MB at most, however they are packed. What one
+/// image shows is within a ball of `farthest_seen`, and the blocks that meet a ball lie in one that
+/// is larger by their diagonal.
 inline PatchLimits patch_limits(const SensorModel& sensor, double voxel_size, double truncation) {
-  PatchLimits limits{.voxel_size = voxel_size, .truncation = truncation};
+  PatchLimits limits{
+      .voxel_size = voxel_size, .truncation = truncation, .blocks = 1 << 12, .hits = 1 << 16};
   const double side = TsdfMap::kBlockSide * voxel_size, diagonal = std::sqrt(3.0) * side;
   const double seen = farthest_seen(sensor, truncation);
   const double ball = 4.0 / 3.0 * kPi * std::pow((seen + diagonal) / side, 3);
