@@ -20,6 +20,7 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "support/agent_folder.hpp"
@@ -120,8 +121,9 @@ Arguments arguments(int argc, char** argv) {
   return a;
 }
 
-TeamAgreement agreement(const Arguments& a, const SurfaceBeliefOptions& belief,
+TeamAgreement agreement(const Arguments& a, const MissionOptions& mission,
                         const AnyPacker& packer) {
+  const SurfaceBeliefOptions belief = SurfaceBelief::checked(mission.belief);
   return {.team = a.team,
           .robot = a.robot(),
           .robots = static_cast<std::uint32_t>(a.settings.robots),
@@ -129,6 +131,7 @@ TeamAgreement agreement(const Arguments& a, const SurfaceBeliefOptions& belief,
           .truncation = belief.tsdf.truncation,
           .known_weight = belief.known_weight,
           .image_weight = a.settings.integrator().weight(0.0, 2.0),
+          .range = std::visit([](const auto& s) { return s.max_range; }, mission.kind.sensor()),
           .packing = packer.packing()};
 }
 
@@ -237,14 +240,9 @@ class FlyingAgent {
     nlohmann::json drops =
         by_name<NetworkDrop>(kNetworkDrops, [&](NetworkDrop why) { return network_.dropped(why); });
     drops.update(by_name<MessageDrop>(
-        kMessageDrops, [&](MessageDrop why) { return robot_.guard().dropped(why); }));
-    drops["impostor"] = network_.inner().counts().impostors;
+        kMessageDrops, [refused = robot_.drops()](MessageDrop why) { return refused[why]; }));
+    drops["other_partition"] = network_.inner().counts().impostors;
     drops["unreadable"] = network_.inner().counts().unreadable;
-    drops["malformed_body"] =
-        robot_.patches().counts().malformed + robot_.team().counts().malformed;
-    drops["jump"] = robot_.team().counts().jumps;
-    drops["conflict"] = robot_.patches().counts().conflicts;
-    drops["beyond_limits"] = robot_.patches().counts().beyond + robot_.team().counts().beyond;
     nlohmann::json lost = nlohmann::json::array();
     for (const RobotId r : end_.lost()) lost.push_back(r + 1);
     return {{"bytes_sent", network_.bytes_sent(id_)},
@@ -285,6 +283,7 @@ class FlyingAgent {
                                              const TeamAgreement& agreed) {
     o.team = agreed.number();
     o.incarnation = incarnation();
+    o.sync.robots = o.relay.robots = agreed.robots;
     return o;
   }
 
@@ -371,8 +370,7 @@ int fly(const Arguments& a) {
   // Whatever can be refused is refused before the first file is made.
   const InspectionInputs inputs = read_inputs(s);
   require_room(a.out);
-  const TeamAgreement agreed = agreement(a, SurfaceBelief::checked(mission_options(s, site).belief),
-                                         inputs.distributed.packer);
+  const TeamAgreement agreed = agreement(a, mission_options(s, site), inputs.distributed.packer);
   const auto team = std::make_shared<DdsTeam>(
       a.robot(), DdsOptions{.domain = static_cast<std::uint32_t>(a.domain),
                             .team = a.team,

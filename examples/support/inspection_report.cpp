@@ -36,15 +36,16 @@ nlohmann::json network_metrics(const InspectionSettings& s, const DistributedRes
     catch_ups.push_back(
         {{"from_s", c.from}, {"took_s", c.took ? nlohmann::json(*c.took) : nullptr}});
   for (const RobotId r : d.lost) lost.push_back(r + 1);
+  nlohmann::json drops = by_name<NetworkDrop>(
+      kNetworkDrops, [&](auto k) { return d.dropped[static_cast<std::size_t>(k)]; });
+  drops.update(by_name<MessageDrop>(kMessageDrops, [&](auto k) { return d.refused[k]; }));
   return {
       {"network", s.network},
       {"bytes_sent", d.bytes_sent},
       {"bytes_sent_by_kind",
        by_name<MessageKind>(kMessageKinds,
                             [&](auto k) { return d.bytes_by_kind[static_cast<std::size_t>(k)]; })},
-      {"messages_dropped",
-       by_name<NetworkDrop>(kNetworkDrops,
-                            [&](auto k) { return d.dropped[static_cast<std::size_t>(k)]; })},
+      {"messages_dropped", drops},
       {"redundant_stops", d.redundant_stops},
       {"maps_equal", d.maps_equal},
       {"caught_up", catch_ups},

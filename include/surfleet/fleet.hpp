@@ -12,6 +12,7 @@
 #include <surfleet/fleet/distributed_options.hpp>
 #include <surfleet/fleet/endurance.hpp>
 #include <surfleet/fleet/impaired.hpp>
+#include <surfleet/fleet/message_drops.hpp>
 #include <surfleet/fleet/message_guard.hpp>
 #include <surfleet/fleet/network_conditions.hpp>
 #include <surfleet/fleet/packet.hpp>

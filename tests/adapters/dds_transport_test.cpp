@@ -6,6 +6,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -91,6 +93,53 @@ TEST(who_comes_late_hears_the_last_digest_but_no_patch) {
   const auto found = heard(late, 1, 2, 3.0);
   CHECK(found.size() == 1 && found[0].payload.kind == MessageKind::digest && found[0].time == 2.5);
 }
+TEST(memory_is_bounded_whatever_senders_call_themselves) {
+  DdsOptions options = team("many");
+  options.robots = 4;
+  DdsTransport victim(0, options);
+  const DdsTeam liar(1, options);
+  const detail::DdsQos qos(dds_create_qos()), own = liar.own_partition("robot");
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(1));
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0);
+  const dds_entity_t topic = dds_create_topic(liar.participant(), &surfleet_dds_FleetMessage_desc,
+                                              "surfleet_patch", nullptr, nullptr);
+  const dds_entity_t writer = dds_create_writer(
+      dds_create_publisher(liar.participant(), own.get(), nullptr), topic, qos.get(), nullptr);
+  CHECK(within(20.0, [&] {
+    dds_publication_matched_status_t status{};
+    dds_get_publication_matched_status(writer, &status);
+    return status.current_count == 1;
+  }));
+  for (std::uint32_t k = 0; k < 300; ++k) {
+    surfleet_dds_FleetMessage m{};
+    m.sender = 4 + k;  // no robot's
+    std::uint8_t octet = 0;
+    m.bytes._length = m.bytes._maximum = 1;
+    m.bytes._buffer = &octet;
+    dds_write(writer, &m);  // which is not taken in for as long as there is no room
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  CHECK(victim.receive(0).empty());
+  CHECK(victim.counts().unreadable > 0 && victim.counts().unreadable <= 4 * 16);
+  // Its mates are heard as ever.
+  DdsTransport mate(2, options);
+  CHECK(within(20.0, [&] { return mate.listeners() == 1; }));
+  mate.send(message(2, MessageKind::patch, 10));
+  CHECK(heard(victim, 0, 1).size() == 1);
+}
+TEST(messages_of_all_kinds_have_one_order) {
+  auto air = fleet(2, team("order"));
+  CHECK(all_met(air));
+  const std::array<MessageKind, 3> kinds{MessageKind::patch, MessageKind::route,
+                                         MessageKind::request};
+  for (std::uint32_t k = 0; k < 9; ++k) air[0]->send(message(0, kinds[k % 3], 10));
+  const auto all = heard(*air[1], 1, 9);
+  CHECK(all.size() == 9);
+  std::vector<std::uint32_t> numbers;
+  for (const auto& m : all) numbers.push_back(m.sequence);
+  std::sort(numbers.begin(), numbers.end());
+  CHECK(std::adjacent_find(numbers.begin(), numbers.end()) == numbers.end());
+}
 TEST(teams_do_not_hear_each_other) {
   DdsTransport ours(0, team("ours")), theirs(1, team("theirs")), mate(2, team("ours"));
   CHECK(within(20.0, [&] { return ours.listeners() == 1; }));
@@ -136,6 +185,7 @@ TEST(dds_options_that_cannot_be_are_refused) {
   CHECK_THROWS(Error, DdsTransport(0, {.team = ""}));
   CHECK_THROWS(Error, dds_configuration({.peers = {"\"/><x"}}));
   CHECK_THROWS(Error, dds_configuration({.peers = {}}));
+  CHECK(dds_configuration({.most_bytes = 1000}).find(">2024B<") != std::string::npos);
   CHECK_THROWS(Error, dds_configuration({.lease = -1.0}));
   CHECK_THROWS(Error, dds_configuration({.lost_packets = 1.0}));
   DdsOptions unkeyed = team("x");

@@ -89,7 +89,7 @@ wait $two || fail "robot 2: $(cat 2.txt)"
 [ "$(value team collisions)" = 0 ] || fail "$(cat team.txt; grep -hE "late_steps|min_(clearance|separation)" team/metrics.json 1/metrics.json 2/metrics.json)"
 [ "$(value 1 found_team_s)" != null ] || fail "robots with keys do not find each other"
 [ "$(value 1 patches_digest)" = "$(value 2 patches_digest)" ]
-[ "$(value 1 secured)" = true ] && [ "$(value 1 impostor)" = 0 ] && [ "$(value 1 bytes_sent)" -gt 0 ]
+[ "$(value 1 secured)" = true ] && [ "$(value 1 other_partition)" = 0 ] && [ "$(value 1 bytes_sent)" -gt 0 ]
 awk -v c="$(value team surface_coverage)" 'BEGIN { exit !(c > 0.95) }'
 [ -s team/report.html ] && [ -s 1/reconstruction.ply ]
 

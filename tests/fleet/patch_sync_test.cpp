@@ -181,7 +181,7 @@ TEST(nothing_is_asked_for_when_nothing_is_lost) {
 TEST(the_nearest_holder_is_asked_then_the_next_then_after_a_pause_again) {
   PatchSync<> robot(0, {.first_timeout = 1.0});
   robot.distance = [](RobotId mate) { return mate == 2 ? 1.0 : 10.0 * mate; };
-  const PatchKey key{3, 0, 0};
+  const PatchKey key{4, 0, 0};
   std::vector<PatchSync<>> mates;
   for (RobotId r = 1; r <= 3; ++r) {
     mates.emplace_back(r);
@@ -246,12 +246,79 @@ TEST(the_first_content_of_a_name_stays) {
   const std::uint64_t digest = robot.digest();
   robot.hear(from(1, patch(8)), 0.0);
   robot.hear(from(2, patch(7)), 0.0);
-  CHECK(robot.counts().conflicts == 1 && robot.counts().duplicates == 1);
+  CHECK(robot.drops()[MessageDrop::conflict] == 1 && robot.duplicates() == 1);
   CHECK(robot.digest() == digest && robot.take_arrived().size() == 1);
   CHECK(robot.patch({1, 0, 4}).blocks[0].weight[4] == 7);
   PatchSync<> other(5);
   other.hear(from(1, patch(8)), 0.0);
   CHECK(other.held() == robot.held() && other.digest() != robot.digest());
+}
+
+TEST(a_robot_that_is_started_again_gets_its_earlier_patches_and_makes_its_own) {
+  PatchSync<> mate(1), robot(0, {.incarnation = 7});
+  for (std::uint32_t n = 0; n < 4; ++n)  // of its earlier self
+    mate.hear(from(0, {MessageKind::patch, {}, encode_patch(small_patch({0, 3, n})).bytes}), 0.0);
+  mate.publish(small_patch({1, 0, 0}));
+  // What only it can make is not taken from others, and none waits for it.
+  for (const std::uint32_t n : {0U, 1U, 900U})
+    robot.hear(from(1, {MessageKind::patch, {}, encode_patch(small_patch({0, 7, n}, 9)).bytes}),
+               0.0);
+  CHECK(robot.drops()[MessageDrop::impostor] == 3 && robot.held().size() == 0);
+  ByteWriter claim;
+  claim.put(std::uint64_t{1});
+  for (const std::uint64_t v : {1U, 0U, 7U, 1U, 0U}) detail::put_varint(claim, v);
+  detail::put_varint(claim, 0xFFFFFFFFU);
+  robot.hear(from(1, {MessageKind::digest, {}, claim.take()}), 0.0);
+  CHECK(robot.missing() == 0 && robot.drops()[MessageDrop::impostor] == 4);
+  robot.publish(small_patch({0, 7, 0}));
+  robot.publish(small_patch({0, 7, 1}));
+  for (int tick = 1; tick < 40; ++tick) {
+    const double now = 0.25 * tick;
+    for (const Outgoing& o : robot.speak(now)) mate.hear(from(0, o), now);
+    for (const Outgoing& o : mate.speak(now)) robot.hear(from(1, o), now);
+  }
+  CHECK(robot.held().size() == 7 && robot.digest() == mate.digest() && robot.missing() == 0);
+  CHECK(robot.patch({0, 7, 0}).blocks[0].weight[0] == 1 && robot.holds({0, 3, 3}));
+}
+
+TEST(hostile_patches_are_refused_by_reason) {
+  PatchLimits limits = patch_limits(
+      PinholeCamera::from_fov(radians(90.0), radians(60.0), 80, 60, 0.1, 1.0), 0.3, 0.9);
+  limits.image_weight = 1.0;
+  PatchSync<> robot(0, {}, limits);
+  const auto refused = [&](MessageDrop why, const MapPatch& patch, auto&& spoil) {
+    Bytes bytes = encode_patch(patch).bytes;
+    spoil(bytes);
+    const std::uint64_t before = robot.drops()[why], all = robot.drops().total();
+    robot.hear(from(1, {MessageKind::patch, {}, std::move(bytes)}), 0.0);
+    return robot.drops()[why] == before + 1 && robot.drops().total() == all + 1;
+  };
+  const auto as_it_is = [](Bytes&) {};
+  const MapPatch good = small_patch({1, 0, 0});
+  CHECK(!refused(MessageDrop::conflict, good, as_it_is) && robot.drops().total() == 0);
+  CHECK(refused(MessageDrop::conflict, small_patch({1, 0, 0}, 2), as_it_is));
+  CHECK(refused(MessageDrop::checksum, good, [](Bytes& b) { b[50] ^= std::byte{1}; }));
+  CHECK(refused(MessageDrop::malformed, good, [](Bytes& b) { b.resize(80); }));
+  CHECK(refused(MessageDrop::impossible_weight, small_patch({1, 0, 1}, 4097), as_it_is));
+  CHECK(!refused(MessageDrop::impossible_weight, small_patch({1, 0, 1}, 4096), as_it_is));
+  MapPatch far = small_patch({1, 0, 2});
+  far.blocks[0].index.x() = 1000;
+  CHECK(refused(MessageDrop::out_of_reach, far, as_it_is));
+  MapPatch wide = small_patch({1, 0, 3});
+  wide.blocks.clear();
+  for (int i = 0; i < 200; ++i) {
+    PatchBlock b;
+    b.index = {i % 10, 0, i / 10};
+    b.weight[0] = 1;
+    wide.blocks.push_back(b);
+  }
+  CHECK(refused(MessageDrop::bomb, wide, as_it_is));
+  wide.images = 5;
+  CHECK(!refused(MessageDrop::bomb, wide, as_it_is));
+  MapPatch nobodys = small_patch({256, 0, 0});
+  nobodys.blocks[0].index.y() = 0;
+  CHECK(refused(MessageDrop::beyond_limits, nobodys, as_it_is));
+  CHECK(robot.held().size() == 3 && robot.take_arrived().size() == 3);
 }
 
 TEST(liars_are_counted_and_bounded) {
@@ -278,20 +345,21 @@ TEST(liars_are_counted_and_bounded) {
     }
   }
   CHECK(robot.held().size() == 5 && requests < 150);
-  CHECK(robot.counts().malformed == 0);
+  CHECK(robot.drops()[MessageDrop::malformed] == 0);
   // Requests for nothing, and for everything.
   ByteWriter all;
   for (const std::uint64_t v : {1U, 2U, 0U, 1U, 0U}) detail::put_varint(all, v);
   detail::put_varint(all, 0xFFFFFFFFU);
   const Bytes everything = all.take();
   for (int i = 0; i < 50; ++i) honest.hear(from(1, {MessageKind::request, {}, everything}), 30.0);
-  CHECK(honest.counts().in_vain > 0 && honest.counts().in_vain <= 50 * 64);
+  const std::uint64_t in_vain = honest.drops()[MessageDrop::in_vain];
+  CHECK(in_vain > 0 && in_vain <= 50 * 64);
   CHECK(count_kind(honest.speak(30.0), MessageKind::patch) == 5);
   // Ids and amounts beyond what there can be.
   robot.hear(from(1, {MessageKind::patch, {}, encode_patch(small_patch({60, 0, 0})).bytes}), 31.0);
   for (std::uint32_t n = 0; n < 40; ++n)
     robot.hear(from(1, {MessageKind::patch, {}, encode_patch(small_patch({1, 0, n})).bytes}), 31.0);
-  CHECK(robot.held().size() == 20 && robot.counts().beyond == 1 + 25);
+  CHECK(robot.held().size() == 20 && robot.drops()[MessageDrop::beyond_limits] == 1 + 25);
   // Bytes that are nothing.
   Random random(1);
   for (int i = 0; i < 3000; ++i) {
@@ -299,7 +367,7 @@ TEST(liars_are_counted_and_bounded) {
     for (std::byte& b : junk) b = static_cast<std::byte>(random.below(256));
     robot.hear(from(3, {static_cast<MessageKind>(random.below(5)), {}, junk}), 32.0);
   }
-  CHECK(robot.counts().malformed > 1000 && robot.held().size() == 20);
+  CHECK(robot.drops()[MessageDrop::malformed] > 1000 && robot.held().size() == 20);
 }
 
 TEST(a_parted_team_holds_the_same_and_maps_the_same_when_it_meets) {

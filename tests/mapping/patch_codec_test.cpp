@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/mapping/patch_codec.hpp>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
+#include <vector>
 
 #include <surfleet/core/random.hpp>
 
@@ -46,6 +48,14 @@ struct RunPacker {
   }
 };
 static_assert(BytePacker<RunPacker> && !BytePacker<int>);
+/// Tells what it was asked to make room for.
+struct WatchedPacker : RunPacker {
+  static inline std::size_t asked = 0;
+  Bytes unpack(std::span<const std::byte> bytes, std::size_t size, const std::string& what) const {
+    asked += size;
+    return RunPacker::unpack(bytes, size, what);
+  }
+};
 
 template <typename T>
 Bytes with(Bytes bytes, std::size_t at, const T& value) {
@@ -62,6 +72,16 @@ bool refused(const Bytes& bytes, const PatchLimits& limits, const P& packer) {
     static_cast<void>(decode_patch(bytes, limits, packer));
   } catch (const Error&) {
     return true;
+  }
+  return false;
+}
+/// Whether it is refused for that reason, before room is made for its content.
+bool faulty(PatchFault fault, const Bytes& bytes, const PatchLimits& limits) {
+  WatchedPacker::asked = 0;
+  try {
+    static_cast<void>(decode_patch(bytes, limits, WatchedPacker{}));
+  } catch (const PatchError& e) {
+    return e.fault() == fault && (fault == PatchFault::impossible_weight || !WatchedPacker::asked);
   }
   return false;
 }
@@ -156,6 +176,132 @@ TEST(patches_beyond_the_limits_are_refused) {
   CHECK(refused(forged(odd), {}, PlainPacker{}));
   odd.blocks[0].hits = {{.key = 8, .weight = 1, .position = {65, 0, 0}}};
   CHECK(refused(forged(odd), {}, PlainPacker{}));
+}
+
+/// One voxel a block, as many as that in a box of `side` blocks a side.
+MapPatch wide_patch(std::uint64_t blocks, std::uint32_t images, int side) {
+  MapPatch patch;
+  patch.images = images;
+  for (std::uint64_t n = 0; n < blocks; ++n) {
+    const int i = static_cast<int>(n);
+    PatchBlock b;
+    b.index =
+        BlockIndex(i % side, i / side % side, i / side / side) - BlockIndex::Constant(side / 2);
+    b.weight[n % 512] = 1;
+    patch.blocks.push_back(b);
+  }
+  return patch;
+}
+TEST(patches_are_as_large_as_their_images_can_show_and_no_larger) {
+  const PinholeCamera camera =
+      PinholeCamera::from_fov(radians(90.0), radians(60.0), 80, 60, 0.2, 3.0);
+  const LidarModel lidar{.azimuths = 90, .elevations = 31, .max_range = 3.0};
+  DepthImage far(camera.width, camera.height);
+  std::fill(far.depth.begin(), far.depth.end(), 50.0F);
+  LidarScan all_around;
+  for (int a = 0; a < lidar.azimuths; ++a)
+    for (int e = 0; e < lidar.elevations; ++e) all_around.points.push_back(50.0 * lidar.beam(a, e));
+  // Of free space there is most to show.
+  for (const double voxel : {0.05, 0.1, 0.3})
+    for (const bool scans : {false, true}) {
+      const SensorModel sensor = scans ? SensorModel(lidar) : SensorModel(camera);
+      const PatchLimits limits = patch_limits(sensor, voxel, 3.0 * voxel);
+      PatchRecorder recorder({.voxel_size = voxel, .images = 4},
+                             TsdfIntegrator({.truncation = 3.0 * voxel}));
+      while (!recorder.due()) {
+        Pose pose = Pose::Identity();
+        pose.linear() = Eigen::AngleAxisd(1.5 * recorder.images() + 0.3,
+                                          Eigen::Vector3d(0.2, 1.0, 0.4).normalized())
+                            .toRotationMatrix();
+        if (scans)
+          recorder.integrate(all_around, lidar, pose);
+        else
+          recorder.integrate(far, camera, pose);
+        CHECK(recorder.open().block_count() <= limits.most_blocks(recorder.images()));
+      }
+      for (const MapPatch& p : recorder.close({}, limits))
+        CHECK(!refused(encode_patch(p).bytes, limits, PlainPacker{}));
+    }
+  const PatchLimits fine = patch_limits(lidar, 0.01, 0.03);
+  CHECK(fine.most_blocks(1) == fine.blocks && fine.most_hits(1) == fine.hits);
+  CHECK(detail::kPatchHeaderBytes + 4 + fine.blocks * detail::kMostPatchBlock +
+            fine.hits * detail::kMostPatchHit +
+            fine.notes * (detail::kViewBytes + detail::kFailureBytes) <
+        std::size_t{16} << 20);
+  // A block more than images can give is a bomb.
+  const PatchLimits limits = patch_limits(
+      PinholeCamera::from_fov(radians(90.0), radians(60.0), 80, 60, 0.1, 1.0), 0.3, 0.9);
+  for (const std::uint32_t images : {1U, 2U, 3U}) {
+    const std::uint64_t most = limits.most_blocks(images);
+    CHECK(most == images * limits.image_blocks && most > 50 && most < 1000);
+    CHECK(!refused(encode_patch(wide_patch(most, images, 10), WatchedPacker{}).bytes, limits,
+                   WatchedPacker{}));
+    const MapPatch more = wide_patch(most + 1, images, 10);
+    CHECK(faulty(PatchFault::bomb, encode_patch(more, WatchedPacker{}).bytes, limits));
+  }
+  // Nor does a content that declares hundreds of megabytes get any, whatever else is as it may be.
+  const Bytes good = encode_patch(wide_patch(300, 3, 10), WatchedPacker{}).bytes;
+  CHECK(!refused(good, limits, WatchedPacker{}));
+  for (const std::uint32_t size : {900'000'000U, 100'000'000U, 20'000'000U})
+    CHECK(faulty(PatchFault::bomb, with(good, kSizeAt, size), limits));
+  CHECK(faulty(PatchFault::bomb, with(good, kBlocksAt, 16384U), limits));
+  CHECK(faulty(PatchFault::bomb, with(good, kImagesAt, 5000U), limits));
+  // Whatever images it is said to be of, and whatever one's own sensor is, there is an end.
+  const Bytes claims = with(with(good, kImagesAt, 4096U), kSizeAt, 0x7FFFFFFFU);
+  CHECK(faulty(PatchFault::bomb, claims, limits) && faulty(PatchFault::bomb, claims, {}));
+}
+TEST(patches_of_more_than_one_may_hold_are_parted) {
+  MapPatch whole = random_patch(11, 40);
+  whole.notes.failures.push_back({{1 << 20, 0, 0}, 1});  // none of these images
+  const std::size_t notes = whole.notes.failures.size();
+  PatchLimits limits{.blocks = 7};
+  std::vector<MapPatch> parts = parts_within(whole, limits);
+  CHECK(parts.size() == (whole.blocks.size() + 6) / 7 && parts.size() > 2);
+  std::vector<PatchBlock> blocks;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    CHECK(parts[i].id.key.number == whole.id.key.number + i && parts[i].images == whole.images);
+    CHECK(parts[i].notes.empty() == (i > 0));
+    CHECK(!refused(encode_patch(parts[i]).bytes, limits, PlainPacker{}));
+    blocks.insert(blocks.end(), parts[i].blocks.begin(), parts[i].blocks.end());
+  }
+  CHECK(blocks == whole.blocks && parts[0].notes.failures.size() == notes - 1);
+  limits = {.hits = 60};
+  for (const MapPatch& part : parts_within(whole, limits)) {
+    std::size_t hits = 0;
+    for (const PatchBlock& b : part.blocks) hits += b.hits.size();
+    CHECK(hits <= 60 || part.blocks.size() == 1);
+  }
+  CHECK(parts_within({}, {}).size() == 1);
+  // A recorder's numbers go on after the parts', and it is due before it has to part.
+  PatchRecorder recorder = sheet_recorder(1);
+  const std::vector<DepthImage> images = sheet_images(2);
+  recorder.integrate(images[0], sheet_camera(), sheet_pose(0));
+  const auto fewest = static_cast<std::uint32_t>(recorder.open().block_count() / 3);
+  parts = recorder.close({}, {.blocks = fewest});
+  CHECK(parts.size() >= 3 && recorder.number() == parts.size() && recorder.images() == 0);
+  PatchRecorder small({.voxel_size = kSheetVoxel, .images = 100, .blocks = fewest},
+                      TsdfIntegrator({.truncation = 3.0 * kSheetVoxel}));
+  CHECK(!small.due());
+  small.integrate(images[1], sheet_camera(), sheet_pose(1));
+  CHECK(small.due());
+}
+TEST(patches_are_refused_by_reason) {
+  const MapPatch patch = random_patch(11, 6);
+  const Bytes good = encode_patch(patch, WatchedPacker{}).bytes;
+  CHECK(!refused(good, {}, WatchedPacker{}));
+  Bytes damaged = good;
+  damaged[60] ^= std::byte{1};
+  CHECK(faulty(PatchFault::checksum, damaged, {}));
+  CHECK(faulty(PatchFault::malformed, Bytes(good.begin(), good.begin() + 50), {}));
+  CHECK(faulty(PatchFault::malformed, with(good, 4, std::uint8_t{9}), {}));
+  CHECK(faulty(PatchFault::malformed, with(good, kVoxelAt, 0.0), {}));
+  CHECK(faulty(PatchFault::bomb, good, {.images = 4}));
+  CHECK(faulty(PatchFault::bomb, good, {.blocks = 2}));
+  CHECK(faulty(PatchFault::out_of_reach, good, {.reach = 2.0}));
+  CHECK(faulty(PatchFault::impossible_weight, good, {.image_weight = 0.01}));
+  const Box3 here(Point3(-1, -1, 0), Point3(1, 1, 2)), there(Point3(1, -1, 0), Point3(2, 1, 2));
+  CHECK(!refused(good, {.places = here}, WatchedPacker{}));
+  CHECK(faulty(PatchFault::out_of_reach, good, {.places = there}));
 }
 
 TEST(notes_that_no_robot_makes_are_refused) {

@@ -49,6 +49,19 @@ std::vector<MapPatch> random_patches(std::uint64_t first, int count) {
 }
 }  // namespace
 
+TEST(what_was_open_is_the_same_map_in_one_patch_or_in_many) {
+  PatchRecorder recorder = sheet_recorder(0);
+  PatchFusion fusion({.voxel_size = kSheetVoxel, .truncation = 3.0 * kSheetVoxel});
+  recorder.integrate(sheet_images(1)[0], sheet_camera(), sheet_pose(0));
+  fusion.show_open(recorder.open());
+  const std::uint64_t revision = fusion.map().revision();
+  const std::vector<MapPatch> parts = recorder.close({}, {.blocks = 9});
+  CHECK(parts.size() > 3);
+  fusion.close_open(parts);
+  CHECK(fusion.map().revision() == revision && fusion.size() == parts.size());
+  for (const MapPatch& part : parts) fusion.remove(part);
+  CHECK(fusion.size() == 0 && fusion.map().revision() != revision);
+}
 TEST(fusion_is_the_sum_of_whole_numbers_whatever_comes_and_goes) {
   Random random(5);
   for (int trial = 0; trial < 12; ++trial) {

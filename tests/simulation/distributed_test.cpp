@@ -26,6 +26,14 @@ DistributedResult fly(int robots, const DistributedOptions& d, int threads = 1) 
       o, d, world, box_world::starts(robots),
       [&](RobotId) { return make_planner("tsga", {.standoff = 2.0}); });
   DistributedResult result = simulation.run();
+  // Nothing that honest robots say is disbelieved.
+  for (int r = 0; r < robots; ++r) {
+    const MessageDrops drops = simulation.robot(static_cast<RobotId>(r)).drops();
+    for (std::size_t why = 0; why < kMessageDrops; ++why)
+      if (const auto reason = static_cast<MessageDrop>(why);
+          reason != MessageDrop::replayed && reason != MessageDrop::outdated)
+        CHECK(drops[reason] == 0);
+  }
   double least = 1e9;
   const auto& all = result.mission.trajectories;
   for (std::size_t r = 0; r < all.size(); ++r)
@@ -208,6 +216,88 @@ TEST(a_robot_that_begins_anew_catches_up) {
     CHECK(r.mission.coverage.share() > 0.9);
     CHECK(r.catch_ups.size() == 1 && r.catch_ups[0].took && *r.catch_ups[0].took > 0.0);
     CHECK(*r.catch_ups[0].took < 20.0);
+  }
+}
+/// Two robots, and one that says what none should.
+TEST(a_liar_ends_no_mission_and_is_counted) {
+  box_world::World world;
+  const MissionOptions o = box_world::options(world);
+  std::vector<Configuration> fleet = box_world::starts(2);
+  using Body = SimulatedDrone<box_world::World>;
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<std::unique_ptr<DistributedAgent<Body>>> robots;
+  for (RobotId r = 0; r < 2; ++r) {
+    bodies.push_back(std::make_unique<Body>(world, r, fleet, o.kind.limits, o.neighbours));
+    DistributedAgentOptions own;
+    own.sync.robots = own.relay.robots = 3;
+    robots.push_back(std::make_unique<DistributedAgent<Body>>(
+        r, o.kind, *bodies[r], o.belief, o.agent, o.start_clearance,
+        make_planner("tsga", {.standoff = 2.0}), own));
+  }
+  PerfectTransport<Packet> air(3);
+  std::uint32_t number = 0;
+  const auto lie = [&](double now, MessageKind kind, const Bytes& body,
+                       std::optional<RobotId> to = {}) {
+    air.send({.time = now,
+              .from = 2,
+              .to = to,
+              .payload = seal({.kind = kind, .sender = 2, .number = number++, .body = body})});
+  };
+  const auto state = [&](auto&& spoil) {
+    StateMessage m;
+    m.news.push_back({{2, 0, number, 0, 0.0}, {}});
+    spoil(m.news[0]);
+    return encode_states(m);
+  };
+  const auto patch = [&](const PatchKey& key, int far, std::uint32_t weight, int blocks) {
+    MapPatch p;
+    p.id.key = key;
+    p.voxel_size = o.belief.voxel_size;
+    p.truncation = o.belief.tsdf.truncation;
+    p.images = 1;
+    for (int i = 0; i < blocks; ++i) {
+      PatchBlock b;
+      b.index = {far + i % 20, i / 20 % 20, i / 400};
+      b.weight[0] = weight;
+      p.blocks.push_back(b);
+    }
+    return encode_patch(p).bytes;
+  };
+  bool over = false;
+  for (int step = 0; step < 3000 && !over; ++step) {
+    const double now = step * o.agent.image_period;
+    if (step % 4 == 0) {
+      const auto n = static_cast<std::uint32_t>(step);
+      lie(now, MessageKind::state, state([](StateNews& s) { s.state.kind = 1u << 30; }));
+      lie(now, MessageKind::state, state([](StateNews& s) { s.state.at.position.z() = 1e6; }));
+      lie(now, MessageKind::state, state([](StateNews& s) { s.head.robot = 1; }));
+      for (RobotId r = 0; r < 2; ++r)  // as it will name its own
+        lie(now, MessageKind::patch, patch({r, 0, n / 4}, 0, 1, 1), r);
+      lie(now, MessageKind::patch, patch({2, 0, n}, 0, 1, 8000));
+      lie(now, MessageKind::patch, patch({2, 0, n}, 1000, 1, 1));
+      lie(now, MessageKind::patch, patch({2, 0, n}, 0, 1u << 30, 1));
+      lie(now, MessageKind::route, Bytes(30, std::byte{0xFF}));
+      air.send({.time = now,
+                .from = 2,
+                .payload = {MessageKind::state, std::make_shared<const Bytes>(7)}});
+    }
+    for (auto& robot : robots) robot->observe(now, air.receive(robot->id()));
+    over = robots[0]->finished() && robots[1]->finished();
+    std::vector<Message<Packet>> said;
+    for (auto& robot : robots)
+      for (Message<Packet>& m : robot->act(now)) said.push_back(std::move(m));
+    for (Message<Packet>& m : said) air.send(std::move(m));
+  }
+  CHECK(over && equal_maps(robots[0]->map(), robots[1]->map()));
+  CHECK(robots[0]->belief().estimate_coverage().share() > 0.9);
+  for (const auto& robot : robots) {
+    const MessageDrops drops = robot->drops();
+    for (const MessageDrop why :
+         {MessageDrop::unknown_kind, MessageDrop::out_of_bounds, MessageDrop::impostor,
+          MessageDrop::bomb, MessageDrop::out_of_reach, MessageDrop::impossible_weight,
+          MessageDrop::malformed, MessageDrop::truncated})
+      CHECK(drops[why] > 10);
+    CHECK(!robot->team().last_of(2, 0.0));
   }
 }
 TEST(a_fleet_has_caught_up_when_all_hold_what_anybody_held) {

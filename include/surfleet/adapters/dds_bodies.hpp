@@ -29,6 +29,7 @@ class DdsBodies {
     const detail::DdsQos newest(dds_create_qos());
     dds_qset_reliability(newest.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
     dds_qset_history(newest.get(), DDS_HISTORY_KEEP_LAST, 1);
+    detail::dds_bound(newest.get(), team_->options().robots, 1);
     dds_qset_ignorelocal(newest.get(), DDS_IGNORELOCAL_PARTICIPANT);
     const dds_entity_t topic = detail::dds_checked(
         dds_create_topic(of, &surfleet_dds_BodyPose_desc, "surfleet_body", newest.get(), nullptr),

@@ -80,10 +80,13 @@ inline std::string dds_configuration(const DdsOptions& options) {
   }
   xml +=
       "</Peers><LeaseDuration>" + std::to_string(options.lease) + "s</LeaseDuration></Discovery>";
+  // Longer ones are not even put together; with room for what DDS itself adds.
+  xml +=
+      "<Internal><MaxSampleSize>" + std::to_string(options.most_bytes + 1024) + "B</MaxSampleSize>";
   if (options.lost_packets > 0.0)  // of a thousand
-    xml += "<Internal><Test><XmitLossiness>" +
-           std::to_string(std::lround(1000.0 * options.lost_packets)) +
-           "</XmitLossiness></Test></Internal>";
+    xml += "<Test><XmitLossiness>" + std::to_string(std::lround(1000.0 * options.lost_packets)) +
+           "</XmitLossiness></Test>";
+  xml += "</Internal>";
   return xml + "</Domain></CycloneDDS>";
 }
 
@@ -122,9 +125,16 @@ class DdsLog {
 inline dds_entity_t dds_checked(dds_entity_t entity, const std::string& what) {
   if (entity >= 0) return entity;
   std::string why = DdsLog::instance().last();
+  std::replace(why.begin(), why.end(), '\n', ' ');
   while (!why.empty() && std::isspace(static_cast<unsigned char>(why.back())) != 0) why.pop_back();
   throw Error("dds: no " + what + ": " + dds_strretcode(-entity) +
               (why.empty() ? "" : " (" + why + ")"));
+}
+/// Memory for `kept` messages of each of `robots`, and for a thousand names, which cost little: the
+/// library bounds neither by itself.
+inline void dds_bound(dds_qos_t* qos, RobotId robots, std::int32_t kept) {
+  constexpr std::int32_t kNames = 1024;
+  dds_qset_resource_limits(qos, static_cast<std::int32_t>(robots) * kept, kNames, kept);
 }
 /// A plugin of the library as a file, where distributions keep them; else its name alone.
 inline std::string dds_plugin(const std::string& name) {
@@ -228,6 +238,7 @@ class DdsTeam {
       dds_free(names);
     }
     dds_builtintopic_free_endpoint(endpoint);
+    if (writer_robots_.size() >= kMostWriters) writer_robots_.clear();
     return writer_robots_[writer] = robot;
   }
 
@@ -301,6 +312,8 @@ class DdsTeam {
     domains[options.domain] = domain;
     return domain;
   }
+
+  static constexpr std::size_t kMostWriters = 4096;  ///< That are kept in mind.
 
   RobotId self_;
   DdsOptions options_;

@@ -48,7 +48,7 @@ class DdsTransport {
     const dds_entity_t publisher =
         detail::dds_checked(dds_create_publisher(of, own.get(), nullptr), "publisher");
     for (std::size_t k = 0; k < kMessageKinds; ++k) {
-      const detail::DdsQos qos = quality(static_cast<MessageKind>(k));
+      const detail::DdsQos qos = quality(static_cast<MessageKind>(k), team_->options().robots);
       const dds_entity_t topic = detail::dds_checked(
           dds_create_topic(of, &surfleet_dds_FleetMessage_desc, kTopics[k], qos.get(), nullptr),
           "topic");
@@ -70,7 +70,7 @@ class DdsTransport {
     surfleet_dds_FleetMessage m{};
     m.sender = team_->self();
     m.receiver = message.to.value_or(team_->self());
-    m.number = sent_[k]++;
+    m.number = sent_++;
     m.time = message.time;
     m.bytes._length = m.bytes._maximum = static_cast<std::uint32_t>(size);
     // Written, not changed: the C interface has no const.
@@ -103,19 +103,25 @@ class DdsTransport {
   static constexpr std::array<const char*, kMessageKinds> kTopics{
       "surfleet_state", "surfleet_route", "surfleet_digest", "surfleet_request", "surfleet_patch"};
   static constexpr const char* kRoom = "robot";
-  static constexpr std::uint32_t kKeptPatches = 16;
+  static constexpr std::int32_t kKept = 16;  ///< Routes, requests, patches of a sender.
 
   /// Of states only the newest counts, digests reach robots that come late, patches come once: a
-  /// robot that was away asks for them.
-  static detail::DdsQos quality(MessageKind kind) {
+  /// robot that was away asks for them. For readers and writers.
+  static detail::DdsQos quality(MessageKind kind, RobotId robots) {
     detail::DdsQos qos(dds_create_qos());
     const bool state = kind == MessageKind::state, digest = kind == MessageKind::digest;
+    // States are not sent again; all else is, and holds its writer up for no more than this.
     dds_qset_reliability(qos.get(), state ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE,
                          DDS_MSECS(100));
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST,
-                     state || digest ? 1 : static_cast<std::int32_t>(kKeptPatches));
+    // So many of each sender wait to be read, or to be acknowledged.
+    const std::int32_t kept = state || digest ? 1 : kKept;
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kept);
+    // Whoever comes late is given the last digest, and nothing else.
     dds_qset_durability(qos.get(),
                         digest ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+    // Nor do more senders than the team has robots take up memory, whatever they call themselves.
+    detail::dds_bound(qos.get(), robots, kept);
+    // A robot does not hear itself.
     dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
     return qos;
   }
@@ -160,7 +166,7 @@ class DdsTransport {
   }
   std::shared_ptr<DdsTeam> team_;
   std::array<dds_entity_t, kMessageKinds> readers_{}, writers_{};
-  std::array<std::uint32_t, kMessageKinds> sent_{};
+  std::uint32_t sent_ = 0;  // of all kinds: what is sent first comes first
   Counts counts_;
 };
 static_assert(Transport<DdsTransport>);

@@ -24,6 +24,7 @@
 #include <surfleet/fleet/redundancy.hpp>
 #include <surfleet/fleet/team_relay.hpp>
 #include <surfleet/mapping/patch_fusion.hpp>
+#include <surfleet/mapping/patch_limits.hpp>
 #include <surfleet/mapping/patch_recorder.hpp>
 #include <surfleet/planning/plan.hpp>
 #include <surfleet/planning/surface_belief.hpp>
@@ -56,23 +57,23 @@ class DistributedAgent {
       : id_(id),
         kind_(kind_number(kind)),
         options_(options),
+        limits_(options.patches.value_or(limits_of(checked.belief, kind))),
         requests_(std::move(planner)),
         recorder_({.robot = id,
                    .incarnation = options.incarnation,
                    .voxel_size = checked.belief.voxel_size,
                    .images = options.patch_images,
-                   .distance = options.patch_distance},
+                   .distance = std::min(options.patch_distance.value_or(0.25 * limits_.reach),
+                                        0.25 * limits_.reach),
+                   .blocks = limits_.blocks / 2},
                   *checked.belief.integrator),
         fusion_({.voxel_size = checked.belief.voxel_size,
                  .truncation = checked.belief.tsdf.truncation}),
         belief_(checked.belief, std::span<const RobotKind>(&kind, 1), &fusion_.map()),
         agent_(id, 0, body, belief_, agent),
-        sync_(
-            id, options.sync,
-            {.voxel_size = checked.belief.voxel_size, .truncation = checked.belief.tsdf.truncation},
-            std::move(packer)),
-        relay_(id, options.incarnation, options.relay),
-        guard_(id, {.team = options.team}),
+        sync_(id, own_sync(options), limits_, std::move(packer)),
+        relay_(id, options.incarnation, of_the_team(options.relay)),
+        guard_(id, {.team = options.team, .robots = options.relay.robots}),
         redundant_(RedundancyCheck{options.redundancy}),
         goal_(options.coverage_goal) {
     requests_.least_gain = options.least_gain;
@@ -152,11 +153,29 @@ class DistributedAgent {
   const TsdfMap& map() const { return fusion_.map(); }
   const PatchSync<Packer>& patches() const { return sync_; }
   const TeamRelay& team() const { return relay_; }
-  const MessageGuard& guard() const { return guard_; }
   const PlanRequests<Planner>& plans() const { return requests_; }
+  /// What of its mail it has not read or not believed, by reason.
+  MessageDrops drops() const {
+    MessageDrops all = guard_.drops();
+    all += sync_.drops();
+    all += relay_.drops();
+    return all;
+  }
   std::size_t redundant_stops() const { return redundant_stops_; }  ///< Left to mates.
 
  private:
+  /// What news may say of mates, whose plans are made with this robot's belief.
+  TeamRelayOptions of_the_team(TeamRelayOptions o) const {
+    o.kinds = static_cast<RobotKindId>(belief_.kinds());
+    const Box3& bounds = belief_.space(0).kind.bounds;
+    if (o.bounds.isEmpty() && !bounds.isEmpty()) o.bounds = bounds.merged(belief_.region());
+    return o;
+  }
+  static PatchSyncOptions own_sync(const DistributedAgentOptions& options) {
+    PatchSyncOptions o = options.sync;
+    o.incarnation = options.incarnation;
+    return o;
+  }
   void receive(std::span<const Message<Packet>> inbox) {
     for (const Message<Packet>& m : inbox) {
       const auto envelope = guard_.admit(m.from, *m.payload.bytes, now_);
@@ -170,15 +189,25 @@ class DistributedAgent {
     recent_ = relay_.mates(now_, options_.memory_of_lost);
   }
   void close_patch() {
-    MapPatch patch = recorder_.close();
-    patch.notes = belief_.take_notes();
-    patch.notes.kind = kind_;
-    if (patch.blocks.empty() && patch.notes.empty()) {
-      fusion_.close_open(nullptr);
-      return;
+    ViewNotes notes = belief_.take_notes();
+    notes.kind = kind_;
+    std::vector<MapPatch> parts = recorder_.close(std::move(notes), limits_);
+    if (parts.front().blocks.empty() && parts.front().notes.empty()) parts.clear();
+    for (MapPatch& part : parts) part.id = sync_.publish(part);
+    fusion_.close_open(parts);
+  }
+  /// By what this robot's own sensor and integrator give.
+  static PatchLimits limits_of(const SurfaceBeliefOptions& belief, const RobotKind& kind) {
+    constexpr double kNear = 0.01;  // [m]
+    PatchLimits limits = patch_limits(kind.sensor(), belief.voxel_size, belief.tsdf.truncation);
+    limits.image_weight = std::max(limits.image_weight, belief.integrator->weight(0.0, kNear));
+    if (!kind.bounds.isEmpty()) {
+      constexpr double kSlack = 20.0;  // of robots that are where they should not be [m]
+      limits.places = kind.bounds.merged(belief.region);
+      limits.places.min().array() -= kSlack;
+      limits.places.max().array() += kSlack;
     }
-    patch.id = sync_.publish(patch);
-    fusion_.close_open(&patch);
+    return limits;
   }
   bool is_agreed() const {
     if (!is_done() || sync_.missing() > 0) return false;
@@ -223,6 +252,7 @@ class DistributedAgent {
   RobotId id_;
   std::uint32_t kind_;  // as of `kind_number`
   DistributedAgentOptions options_;
+  PatchLimits limits_;
   PlanRequests<Planner> requests_;
   PatchRecorder recorder_;
   PatchFusion fusion_;

@@ -9,6 +9,7 @@
 #include <surfleet/fleet/patch_sync.hpp>
 #include <surfleet/fleet/redundancy.hpp>
 #include <surfleet/fleet/team_relay.hpp>
+#include <surfleet/mapping/patch_limits.hpp>
 
 namespace surfleet {
 struct DistributedAgentOptions {
@@ -22,6 +23,9 @@ struct DistributedAgentOptions {
   /// A robot by whose own account so much is covered flies home, a share.
   std::optional<double> coverage_goal{};
   bool returns_home = false;  ///< When nothing is left for any robot, before it is finished.
+  /// Of patches, one's own and others'; nothing: what this robot's own sensor gives, as in a team
+  /// of which all see as far.
+  std::optional<PatchLimits> patches{};
   PatchSyncOptions sync;
   TeamRelayOptions relay;
   RedundancyOptions redundancy;

@@ -7,6 +7,8 @@ namespace surfleet {
 struct AgentOptions;
 class CoverageGoal;
 struct Envelope;
+class MessageDrops;
+class MessageError;
 class MessageGuard;
 struct MessageGuardOptions;
 struct NetworkConditions;

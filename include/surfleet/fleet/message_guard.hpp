@@ -5,7 +5,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <bitset>
 #include <cmath>
 #include <cstddef>
@@ -13,8 +12,8 @@
 #include <map>
 #include <optional>
 #include <span>
-#include <string_view>
 
+#include <surfleet/fleet/message_drops.hpp>
 #include <surfleet/fleet/packet.hpp>
 
 namespace surfleet {
@@ -69,14 +68,6 @@ struct MessageGuardOptions {
   double bytes_burst = 32e6;       ///< … and at once.
 };
 
-/// Why a message is not read.
-enum class MessageDrop : std::uint8_t { malformed, foreign, replayed, flood, outdated };
-inline constexpr std::size_t kMessageDrops = 5;
-inline std::string_view name_of(MessageDrop why) {
-  constexpr std::string_view kNames[] = {"malformed", "foreign", "replayed", "flood", "outdated"};
-  return kNames[static_cast<std::size_t>(why)];
-}
-
 /// Opens packets. A robot that was started again has a higher incarnation and counts its messages
 /// anew; what its earlier self sent comes too late.
 class MessageGuard {
@@ -92,12 +83,10 @@ class MessageGuard {
     if (!sender.messages.take(1.0, now) ||
         !sender.bytes.take(static_cast<double>(bytes.size()), now))
       return drop(MessageDrop::flood);
-    Envelope e;
-    try {
-      e = open_packet(bytes);
-    } catch (const Error&) {
-      return drop(MessageDrop::malformed);
-    }
+    std::optional<Envelope> opened;
+    drops_.reading([&] { opened = open_packet(bytes); });
+    if (!opened) return std::nullopt;
+    const Envelope& e = *opened;
     if (e.team != options_.team || e.sender != from) return drop(MessageDrop::foreign);
     if (sender.incarnation && e.incarnation < *sender.incarnation)
       return drop(MessageDrop::outdated);
@@ -106,9 +95,9 @@ class MessageGuard {
       sender.window = {};
     }
     if (!sender.window.accept(e.number)) return drop(MessageDrop::replayed);
-    return e;
+    return opened;
   }
-  std::uint64_t dropped(MessageDrop why) const { return dropped_[static_cast<std::size_t>(why)]; }
+  const MessageDrops& drops() const { return drops_; }
 
  private:
   struct Sender {
@@ -119,13 +108,13 @@ class MessageGuard {
         : messages(o.messages_rate, o.messages_burst), bytes(o.bytes_rate, o.bytes_burst) {}
   };
   std::optional<Envelope> drop(MessageDrop why) {
-    ++dropped_[static_cast<std::size_t>(why)];
+    drops_.add(why);
     return std::nullopt;
   }
 
   RobotId self_;
   MessageGuardOptions options_;
   std::map<RobotId, Sender> senders_;
-  std::array<std::uint64_t, kMessageDrops> dropped_{};
+  MessageDrops drops_;
 };
 }  // namespace surfleet

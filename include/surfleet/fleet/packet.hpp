@@ -20,13 +20,14 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <surfleet/core/binary_io.hpp>
-#include <surfleet/core/error.hpp>
 #include <surfleet/core/transport.hpp>
+#include <surfleet/fleet/message_drops.hpp>
 
 namespace surfleet {
 /// The most urgent first.
@@ -73,19 +74,23 @@ inline Packet seal(const Envelope& e) {
   out.put(crc32(out.bytes()));
   return {e.kind, std::make_shared<const Bytes>(out.take())};
 }
-/// Throws `Error` on anything but a whole packet of this version.
+/// Throws `MessageError` on anything but a whole packet of this version.
 inline Envelope open_packet(std::span<const std::byte> bytes) {
   constexpr std::size_t kHead = 20, kFoot = 4;
-  if (bytes.size() < kHead + kFoot) throw Error("packet: ends early; expected a whole one");
-  ByteReader in(bytes, "packet");
-  if (in.get<char>() != 'S' || in.get<char>() != 'F') throw Error("packet: expected SF");
-  if (in.get<std::uint8_t>() != 1) throw Error("packet: of another version; expected 1");
-  const auto kind = in.get<std::uint8_t>();
-  if (kind >= kMessageKinds) throw Error("packet: of an unknown kind; expected 0 to 4");
+  const auto sound = [](bool ok, MessageDrop why, const char* text) {
+    if (!ok) throw MessageError(why, std::string("packet: ") + text);
+  };
+  sound(bytes.size() >= kHead + kFoot, MessageDrop::truncated, "ends early; expected a whole one");
   std::uint32_t stored = 0;
   std::memcpy(&stored, bytes.data() + bytes.size() - kFoot, sizeof(stored));
-  if (stored != crc32(bytes.first(bytes.size() - kFoot)))
-    throw Error("packet: checksum does not match");
+  sound(stored == crc32(bytes.first(bytes.size() - kFoot)), MessageDrop::checksum,
+        "checksum does not match");
+  ByteReader in(bytes, "packet");
+  const bool magic = in.get<char>() == 'S' && in.get<char>() == 'F';
+  sound(magic, MessageDrop::malformed, "expected SF");
+  sound(in.get<std::uint8_t>() == 1, MessageDrop::malformed, "of another version; expected 1");
+  const auto kind = in.get<std::uint8_t>();
+  sound(kind < kMessageKinds, MessageDrop::malformed, "of an unknown kind; expected 0 to 4");
   Envelope e;
   e.kind = static_cast<MessageKind>(kind);
   e.team = in.get<std::uint32_t>();

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include <surfleet/core/random.hpp>
+#include <surfleet/fleet/message_drops.hpp>
 #include <surfleet/fleet/packet.hpp>
 #include <surfleet/fleet/patch_ids.hpp>
 #include <surfleet/mapping/patch_codec.hpp>
@@ -44,15 +45,8 @@ struct PatchSyncOptions {
   std::size_t patches = 1 << 20;         ///< Most that are held.
   std::size_t stored_bytes = std::size_t{1} << 31;  ///< The same, in bytes.
   RobotId robots = 256;                             ///< Producers' ids are below this.
-};
-
-/// What came to nothing.
-struct PatchSyncCounts {
-  std::uint64_t duplicates = 0;  ///< Patches that were there already.
-  std::uint64_t conflicts = 0;   ///< Patches of a name that was there with another content.
-  std::uint64_t malformed = 0;   ///< Messages that could not be read.
-  std::uint64_t in_vain = 0;     ///< Requests for what is not held.
-  std::uint64_t beyond = 0;      ///< Patches and claims beyond the limits.
+  /// How often this robot was started before: it alone makes patches of that name, and holds all.
+  std::uint32_t incarnation = 0;
 };
 
 /// One robot's part. It knows no clock but the times it is told, and no transport: `hear` what has
@@ -84,13 +78,11 @@ class PatchSync {
   /// message says.
   void hear(const Envelope& message, double now) {
     if (message.sender == self_) return;
-    try {
+    drops_.reading([&] {
       if (message.kind == MessageKind::digest) hear_digest(message, now);
       if (message.kind == MessageKind::request) hear_request(message);
       if (message.kind == MessageKind::patch) hear_patch(message, now);
-    } catch (const Error&) {
-      ++counts_.malformed;
-    }
+    });
   }
   /// What there is to say, the most urgent first.
   std::vector<Outgoing> speak(double now) {
@@ -144,7 +136,8 @@ class PatchSync {
   }
   std::size_t missing() const { return wanted_.size(); }  ///< That others are known to hold.
   std::size_t stored_bytes() const { return stored_bytes_; }
-  const PatchSyncCounts& counts() const { return counts_; }
+  const MessageDrops& drops() const { return drops_; }
+  std::uint64_t duplicates() const { return duplicates_; }  ///< Patches that were there already.
 
  private:
   struct Stored {
@@ -193,7 +186,7 @@ class PatchSync {
     PatchIdSet holds = PatchIdSet::get(in, "digest");
     require(in.remaining() == 0, "digest: bytes after its end");
     if (message.sender >= options_.robots) {
-      ++counts_.beyond;
+      drops_.add(MessageDrop::beyond_limits);
       return;
     }
     Mate& mate = mates_[message.sender];
@@ -203,10 +196,12 @@ class PatchSync {
     std::size_t count = 0;
     mate.holds.for_each_beyond(held_, [&](const PatchKey& key) {
       if (key.robot >= options_.robots) {
-        ++counts_.beyond;
+        drops_.add(MessageDrop::beyond_limits);
         return false;  // and so are all that follow
       }
-      if (const auto [want, fresh] = wanted_.try_emplace(key); fresh)
+      if (is_own(key)) {
+        if (count == 0) drops_.add(MessageDrop::impostor);
+      } else if (const auto [want, fresh] = wanted_.try_emplace(key); fresh)
         want->second.next_try = now + options_.grace;
       return ++count < options_.known_missing;
     });
@@ -216,14 +211,14 @@ class PatchSync {
     const PatchIdSet asked = PatchIdSet::get(in, "request");
     require(in.remaining() == 0, "request: bytes after its end");
     if (message.sender >= options_.robots) {
-      ++counts_.beyond;
+      drops_.add(MessageDrop::beyond_limits);
       return;
     }
     Mate& mate = mates_[message.sender];
     std::size_t count = 0;
     asked.for_each_beyond({}, [&](const PatchKey& key) {
       if (!held_.contains(key)) {
-        ++counts_.in_vain;
+        drops_.add(MessageDrop::in_vain);
       } else if (std::count(answers_.begin(), answers_.end(), std::pair(message.sender, key)) ==
                  0) {
         if (mate.waiting >= options_.answers) return false;
@@ -233,16 +228,45 @@ class PatchSync {
       return ++count < options_.answers;
     });
   }
+  bool is_own(const PatchKey& key) const {
+    return key.robot == self_ && key.incarnation == options_.incarnation;
+  }
+  static MessageDrop drop_of(PatchFault fault) {
+    switch (fault) {
+      case PatchFault::checksum:
+        return MessageDrop::checksum;
+      case PatchFault::bomb:
+        return MessageDrop::bomb;
+      case PatchFault::out_of_reach:
+        return MessageDrop::out_of_reach;
+      case PatchFault::impossible_weight:
+        return MessageDrop::impossible_weight;
+      default:
+        return MessageDrop::malformed;
+    }
+  }
   void hear_patch(const Envelope& message, double now) {
-    MapPatch patch = decode_patch(message.body, limits, packer);
+    MapPatch patch;
+    try {
+      patch = decode_patch(message.body, limits, packer);
+    } catch (const PatchError& e) {
+      throw MessageError(drop_of(e.fault()), e.what());
+    }
     const PatchKey& key = patch.id.key;
     if (const auto held = store_.find(key); held != store_.end()) {
-      ++(held->second.hash == patch.id.hash ? counts_.duplicates : counts_.conflicts);
+      if (held->second.hash == patch.id.hash)
+        ++duplicates_;
+      else
+        drops_.add(MessageDrop::conflict);
+      return;
+    }
+    if (is_own(key)) {
+      drops_.add(MessageDrop::impostor);
       return;
     }
     if (key.robot >= options_.robots || store_.size() >= options_.patches ||
         stored_bytes_ + message.body.size() > options_.stored_bytes) {
-      ++counts_.beyond;
+      drops_.add(MessageDrop::beyond_limits);
       return;
     }
     if (const auto want = wanted_.find(key); want != wanted_.end())
@@ -346,6 +370,7 @@ class PatchSync {
   double last_digest_ = -std::numeric_limits<double>::infinity(), next_digest_ = last_digest_;
   std::uint64_t said_ = 0;
   bool changed_ = false;
-  PatchSyncCounts counts_;
+  MessageDrops drops_;
+  std::uint64_t duplicates_ = 0;
 };
 }  // namespace surfleet

@@ -23,6 +23,7 @@
 #include <vector>
 
 #include <surfleet/core/binary_io.hpp>
+#include <surfleet/fleet/message_drops.hpp>
 #include <surfleet/mapping/detail/hit_codec.hpp>
 #include <surfleet/planning/plan.hpp>
 
@@ -54,6 +55,7 @@ struct StateMessage {
 };
 
 namespace detail {
+/// Of a message; ahead of a robot; of a route, and targets of all its stops together.
 inline constexpr std::uint64_t kMostNews = 256, kMostAhead = 1024, kMostStops = 1024,
                                kMostTargets = 1 << 16, kTilted = 1 << 16;
 inline constexpr double kMostMetres = 1e7, kMostAge = 1e6, kMostPitch = 1.6;
@@ -64,7 +66,7 @@ class NewsReader {
       : in_(bytes, what), what_(std::move(what)) {}
   std::uint64_t number(std::uint64_t most) {
     const std::uint64_t n = get_varint(in_, what_);
-    if (n > most) throw Error(what_ + ": a number beyond its bounds");
+    if (n > most) throw beyond();
     return n;
   }
   /// How many follow, of which each has at least `bytes`.
@@ -80,7 +82,8 @@ class NewsReader {
   template <typename T>
   double real(double most) {
     const auto v = static_cast<double>(in_.get<T>());
-    if (!(std::abs(v) <= most)) throw Error(what_ + ": a value beyond its bounds");
+    if (!(std::abs(v) <= most))
+      throw MessageError(MessageDrop::out_of_bounds, what_ + ": a value beyond its bounds");
     return v;
   }
   template <typename T>
@@ -94,7 +97,7 @@ class NewsReader {
   int coordinate() {
     const std::int64_t v = unzigzag(number(std::numeric_limits<std::uint32_t>::max()));
     if (v <= -(std::int64_t{1} << 30) || v >= std::int64_t{1} << 30)
-      throw Error(what_ + ": voxel outside the grid");
+      throw MessageError(MessageDrop::out_of_bounds, what_ + ": voxel outside the grid");
     return static_cast<int>(v);
   }
   Configuration configuration() {
@@ -121,9 +124,12 @@ class NewsReader {
 
  private:
   std::size_t count_of(std::uint64_t n, std::uint64_t most, std::size_t bytes) const {
-    if (n > most) throw Error(what_ + ": a number beyond its bounds");
+    if (n > most) throw beyond();
     if (n > in_.remaining() / bytes) throw Error(what_ + ": ends early");
     return static_cast<std::size_t>(n);
+  }
+  MessageError beyond() const {
+    return {MessageDrop::beyond_limits, what_ + ": a number beyond its bounds"};
   }
 
   ByteReader in_;
@@ -165,7 +171,7 @@ inline Bytes encode_states(const StateMessage& message) {
   }
   return out.take();
 }
-/// Throws `Error` on anything but a sound message.
+/// Throws `Error` on anything but a sound message; what it says may still be none of the team's.
 inline StateMessage decode_states(std::span<const std::byte> bytes) {
   detail::NewsReader in(bytes, "states");
   StateMessage message;
@@ -203,11 +209,13 @@ inline Bytes encode_routes(const std::vector<RouteNews>& news) {
     detail::put_head(out, n.head);
     const std::size_t stops = std::min<std::size_t>(n.route.size(), detail::kMostStops);
     detail::put_varint(out, stops);
+    std::size_t left = detail::kMostTargets;
     for (std::size_t i = 0; i < stops; ++i) {
       const Stop& stop = n.route[i];
       detail::put_configuration(out, stop.configuration);
       if (tilted) out.put(stop.configuration.pitch);
-      const std::size_t targets = std::min<std::size_t>(stop.targets.size(), detail::kMostTargets);
+      const std::size_t targets = std::min(stop.targets.size(), left);
+      left -= targets;
       detail::put_varint(out, targets);
       for (std::size_t t = 0; t < targets; ++t)
         for (int k = 0; k < 3; ++k) detail::put_varint(out, detail::zigzag(stop.targets[t][k]));
@@ -215,7 +223,7 @@ inline Bytes encode_routes(const std::vector<RouteNews>& news) {
   }
   return out.take();
 }
-/// Throws `Error` on anything but a sound message.
+/// Throws `Error` on anything but a sound message; what it says may still be none of the team's.
 inline std::vector<RouteNews> decode_routes(std::span<const std::byte> bytes) {
   detail::NewsReader in(bytes, "routes");
   const auto [count, tilted] = in.count_tilted(detail::kMostNews, 9);
@@ -223,10 +231,12 @@ inline std::vector<RouteNews> decode_routes(std::span<const std::byte> bytes) {
   for (RouteNews& n : news) {
     n.head = in.head();
     n.route.resize(in.count(detail::kMostStops, 33));
+    std::uint64_t left = detail::kMostTargets;
     for (Stop& stop : n.route) {
       stop.configuration = in.configuration();
       if (tilted) stop.configuration.pitch = in.pitch();
-      stop.targets.resize(in.count(detail::kMostTargets, 3));
+      stop.targets.resize(in.count(left, 3));
+      left -= stop.targets.size();
       for (VoxelIndex& v : stop.targets)
         for (int k = 0; k < 3; ++k) v[k] = in.coordinate();
     }

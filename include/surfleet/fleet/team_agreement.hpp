@@ -5,7 +5,9 @@
 ///     if (const auto why = disagreement(ours, *TeamAgreement::read(note))) refuse(*why);
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +22,7 @@
 
 namespace surfleet {
 struct TeamAgreement {
-  static constexpr std::uint32_t kProtocol = 4;
+  static constexpr std::uint32_t kProtocol = 5;
   std::string team;
   RobotId robot = 0;  ///< The one that says so.
   std::uint32_t protocol = kProtocol;
@@ -29,6 +31,7 @@ struct TeamAgreement {
   double truncation = 0.0;    ///< µ [m]
   double known_weight = 0.0;  ///< W_th
   double image_weight = 0.0;  ///< Of one image for surface 2 m away: W_th is of that rule.
+  double range = 0.0;         ///< Of the sensors [m]: bounds what patches can hold.
   std::uint32_t packing = 0;  ///< Of patches (`BytePacker::packing()`).
 
   /// A line of text. Numbers are written so that they read back as the same value.
@@ -45,24 +48,31 @@ struct TeamAgreement {
         words.back() += c;
     if (words.size() < 4 || words[0] != kMark) return std::nullopt;
     TeamAgreement a;
-    a.team = words[1];
+    a.team = words[1];  // which is told to people
+    const bool plain = std::all_of(a.team.begin(), a.team.end(), [](unsigned char c) {
+      return std::isalnum(c) != 0 || c == '_' || c == '-';
+    });
+    if (!plain) return std::nullopt;
     const auto robot = parse_number<std::uint32_t>(words[2]);
     const auto protocol = parse_number<std::uint32_t>(words[3]);
     if (!robot || !protocol) return std::nullopt;
     a.robot = *robot;
     a.protocol = *protocol;
     if (a.protocol != kProtocol) return a;  // whatever follows in theirs
-    if (words.size() != 10) return std::nullopt;
+    if (words.size() != 11) return std::nullopt;
     const auto robots = parse_number<std::uint32_t>(words[4]);
     const auto voxel = parse_number<double>(words[5]), truncation = parse_number<double>(words[6]),
-               known = parse_number<double>(words[7]), weight = parse_number<double>(words[8]);
-    const auto packing = parse_number<std::uint32_t>(words[9]);
-    if (!robots || !voxel || !truncation || !known || !weight || !packing) return std::nullopt;
+               known = parse_number<double>(words[7]), weight = parse_number<double>(words[8]),
+               range = parse_number<double>(words[9]);
+    const auto packing = parse_number<std::uint32_t>(words[10]);
+    if (!robots || !voxel || !truncation || !known || !weight || !range || !packing)
+      return std::nullopt;
     a.robots = *robots;
     a.voxel = *voxel;
     a.truncation = *truncation;
     a.known_weight = *known;
     a.image_weight = *weight;
+    a.range = *range;
     a.packing = *packing;
     return a;
   }
@@ -86,7 +96,7 @@ struct TeamAgreement {
   std::string agreed() const {
     return std::to_string(protocol) + kComma + std::to_string(robots) + kComma + exact(voxel) +
            kComma + exact(truncation) + kComma + exact(known_weight) + kComma +
-           exact(image_weight) + kComma + std::to_string(packing);
+           exact(image_weight) + kComma + exact(range) + kComma + std::to_string(packing);
   }
 };
 
@@ -109,6 +119,8 @@ inline std::optional<std::string> disagreement(const TeamAgreement& ours,
     return differs("a known weight of", TeamAgreement::exact(theirs.known_weight));
   if (theirs.image_weight != ours.image_weight)
     return differs("images that weigh at 2 m", TeamAgreement::exact(theirs.image_weight));
+  if (theirs.range != ours.range)
+    return differs("sensors with a range of", TeamAgreement::exact(theirs.range));
   if (theirs.packing != ours.packing)
     return differs("patches packed by", std::to_string(theirs.packing));
   return std::nullopt;

@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/core/types.hpp>
+#include <surfleet/fleet/message_drops.hpp>
 #include <surfleet/fleet/packet.hpp>
 #include <surfleet/fleet/robot_news.hpp>
 
@@ -27,6 +29,8 @@ struct TeamRelayOptions {
   double silence = 3.0;        ///< Mates are those whose state is no older [s].
   std::uint8_t hops = 8;       ///< News that so many have passed on go no further.
   RobotId robots = 256;        ///< Ids are below this.
+  RobotKindId kinds = 1;       ///< The same of the kinds of robots that plans know.
+  Box3 bounds{};               ///< Where robots and their stops may be [m]; empty: anywhere.
   double speed = 20.0;         ///< No robot is faster [m/s] …
   double slack = 20.0;         ///< … nor found farther than this from where it may be [m].
 };
@@ -37,15 +41,12 @@ struct TeamRelayOptions {
 /// wrong is as good as any.
 class TeamRelay {
  public:
-  struct Counts {
-    std::uint64_t malformed = 0;  ///< Messages that could not be read.
-    std::uint64_t jumps = 0;      ///< States that no motion explains.
-    std::uint64_t beyond = 0;     ///< News of robots that cannot be.
-    std::uint64_t relayed = 0;    ///< News of others that were passed on.
-  };
-
   explicit TeamRelay(RobotId self, std::uint32_t incarnation = 0, TeamRelayOptions options = {})
-      : self_(self), incarnation_(incarnation), options_(options) {}
+      : self_(self), incarnation_(incarnation), options_(options), within_(options.bounds) {
+    if (within_.isEmpty()) return;
+    within_.min().array() -= options.slack;
+    within_.max().array() += options.slack;
+  }
 
   /// Our own state, at any time; its route goes out when it differs from the last.
   void set_own(const RobotState& state) { own_ = state; }
@@ -53,12 +54,10 @@ class TeamRelay {
   /// A message of kind `state` or `route`. Never throws on what it says.
   void hear(const Envelope& message, double now) {
     if (message.sender == self_ || message.sender >= options_.robots) return;
-    try {
+    drops_.reading([&] {
       if (message.kind == MessageKind::state) hear_states(message, now);
       if (message.kind == MessageKind::route) hear_routes(message, now);
-    } catch (const Error&) {
-      ++counts_.malformed;
-    }
+    });
   }
   /// What there is to say now.
   std::vector<Outgoing> speak(double now) {
@@ -77,7 +76,7 @@ class TeamRelay {
           mate.state_fresh = false;
           message.news.push_back(
               {passed_on(mate.state->head, mate.state_heard, now), mate.state->state});
-          ++counts_.relayed;
+          ++relayed_;
         }
       if (!message.news.empty())
         out.push_back({MessageKind::state, std::nullopt, encode_states(message)});
@@ -94,7 +93,7 @@ class TeamRelay {
       if (mate.route && mate.route_fresh && is_wanted(id, mate, mate.route->head, now)) {
         mate.route_fresh = false;
         routes.push_back({passed_on(mate.route->head, mate.route_heard, now), mate.route->route});
-        ++counts_.relayed;
+        ++relayed_;
       }
     if (!routes.empty()) out.push_back({MessageKind::route, std::nullopt, encode_routes(routes)});
     return out;
@@ -128,12 +127,15 @@ class TeamRelay {
   }
   /// Whether no mate is heard: the single architecture.
   bool alone(double now) const { return mates(now).empty(); }
-  const Counts& counts() const { return counts_; }
+  /// What was not believed: messages that could not be read, and single news.
+  const MessageDrops& drops() const { return drops_; }
+  std::uint64_t relayed() const { return relayed_; }  ///< News of others that were passed on.
 
  private:
   struct Mate {
     std::optional<StateNews> state;
     std::optional<RouteNews> route;
+    std::optional<NewsHead> own_state, own_route;              // the last from itself
     double state_heard = 0.0, route_heard = 0.0;               // [s]
     bool state_fresh = false, route_fresh = false;             // not passed on yet
     double direct = -std::numeric_limits<double>::infinity();  // last heard itself [s]
@@ -152,7 +154,9 @@ class TeamRelay {
   }
   static RobotState told(const Mate& mate, double age) {
     RobotState state = mate.state->state;
-    if (mate.route) state.route = mate.route->route;
+    // Not an earlier self's, which is all that is heard of some time after a new start.
+    if (mate.route && mate.route->head.incarnation == mate.state->head.incarnation)
+      state.route = mate.route->route;
     state.age = age;
     return state;
   }
@@ -168,17 +172,55 @@ class TeamRelay {
       if (id != about && hears(other, now) && !other.hears.contains(about)) return true;
     return false;
   }
-  /// The mate that news are of, if it can be and they are newer than what is known of that kind.
+  /// The mate that news are of, if it can be and they are newer than what is known of that kind. A
+  /// mate's own word counts for more than that of others: what they tell may not run ahead of it
+  /// while it is heard, and gives way to it when it is heard again.
   template <typename News>
-  Mate* mate_of_news(const NewsHead& head, RobotId sender, std::optional<News> Mate::*known) {
-    if (head.robot >= options_.robots || head.hops > options_.hops) {
-      ++counts_.beyond;
+  Mate* mate_of_news(const NewsHead& head, const Envelope& message, double now,
+                     std::optional<News> Mate::*known, std::optional<NewsHead> Mate::*own) {
+    const auto drop = [this](MessageDrop why) {
+      drops_.add(why);
       return nullptr;
-    }
+    };
+    if (head.robot >= options_.robots || head.hops > options_.hops)
+      return drop(MessageDrop::beyond_limits);
     // No robot speaks for itself through others, nor for others as itself.
-    if (head.robot == self_ || (head.hops == 0) != (head.robot == sender)) return nullptr;
+    const bool itself = head.robot == message.sender;
+    if ((head.hops == 0) != itself || (itself && head.incarnation != message.incarnation))
+      return drop(MessageDrop::impostor);
+    if (head.robot == self_) return nullptr;
     Mate& mate = mates_[head.robot];
-    return mate.*known && !head.newer_than((mate.*known)->head) ? nullptr : &mate;
+    const std::optional<NewsHead>& said = mate.*own;
+    const auto runs_ahead = [&](const NewsHead& told) {
+      return said && (told.incarnation > said->incarnation || told.number > said->number + kAhead);
+    };
+    if (!itself && hears(mate, now) && runs_ahead(head)) return drop(MessageDrop::impostor);
+    if (itself && mate.*known && (mate.*known)->head.hops > 0 &&
+        (!said || (head.newer_than(*said) && runs_ahead((mate.*known)->head))))
+      (mate.*known).reset();
+    if (mate.*known && !head.newer_than((mate.*known)->head)) return nullptr;
+    if (itself) mate.*own = head;
+    return &mate;
+  }
+  bool may_be(const Point3& p) const { return within_.isEmpty() || within_.contains(p); }
+  /// Whether a plan could be made with it: of a kind that is known, and where robots may be.
+  bool is_possible(const RobotState& state) {
+    if (state.kind >= options_.kinds) {
+      drops_.add(MessageDrop::unknown_kind);
+      return false;
+    }
+    const bool there =
+        may_be(state.at.position) && std::all_of(state.ahead.begin(), state.ahead.end(),
+                                                 [this](const Point3& p) { return may_be(p); });
+    if (!there) drops_.add(MessageDrop::out_of_bounds);
+    return there;
+  }
+  bool is_possible(const Stops& route) {
+    const bool there = std::all_of(route.begin(), route.end(), [this](const Stop& stop) {
+      return may_be(stop.configuration.position);
+    });
+    if (!there) drops_.add(MessageDrop::out_of_bounds);
+    return there;
   }
   void hear_states(const Envelope& message, double now) {
     StateMessage said = decode_states(message.body);
@@ -186,14 +228,14 @@ class TeamRelay {
     sender.direct = now;
     sender.hears = std::move(said.hears);
     for (StateNews& n : said.news) {
-      Mate* const known = mate_of_news(n.head, message.sender, &Mate::state);
-      if (!known) continue;
+      Mate* const known = mate_of_news(n.head, message, now, &Mate::state, &Mate::own_state);
+      if (!known || !is_possible(n.state)) continue;
       Mate& mate = *known;
       if (mate.state && mate.state->head.incarnation == n.head.incarnation) {
         const double between = std::max(0.0, *age_of(mate, now) - n.head.age);
         const double moved = (n.state.at.position - mate.state->state.at.position).norm();
         if (moved > options_.slack + options_.speed * (between + n.head.age)) {
-          ++counts_.jumps;
+          drops_.add(MessageDrop::jump);
           continue;
         }
       }
@@ -204,22 +246,27 @@ class TeamRelay {
   }
   void hear_routes(const Envelope& message, double now) {
     for (RouteNews& n : decode_routes(message.body)) {
-      Mate* const mate = mate_of_news(n.head, message.sender, &Mate::route);
-      if (!mate) continue;
+      Mate* const mate = mate_of_news(n.head, message, now, &Mate::route, &Mate::own_route);
+      if (!mate || !is_possible(n.route)) continue;
       mate->route = std::move(n);
       mate->route_heard = now;
       mate->route_fresh = true;
     }
   }
 
+  /// News of a mate that is heard itself that may be lost before others tell later ones.
+  static constexpr std::uint32_t kAhead = 64;
+
   RobotId self_;
   std::uint32_t incarnation_;
   TeamRelayOptions options_;
+  Box3 within_;  // bounds and slack
   std::optional<RobotState> own_;
   std::optional<Stops> said_route_;
   std::map<RobotId, Mate> mates_;
   std::uint32_t states_said_ = 0, routes_said_ = 0;
   double next_state_ = -std::numeric_limits<double>::infinity(), next_route_ = next_state_;
-  Counts counts_;
+  MessageDrops drops_;
+  std::uint64_t relayed_ = 0;
 };
 }  // namespace surfleet

@@ -21,6 +21,7 @@
 /// | 4 | CRC-32 of everything before (uint32) |
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <concepts>
@@ -35,6 +36,7 @@
 
 #include <surfleet/core/random.hpp>
 #include <surfleet/mapping/detail/patch_payload.hpp>
+#include <surfleet/mapping/patch_limits.hpp>
 
 namespace surfleet {
 /// What makes bytes fewer.
@@ -96,27 +98,16 @@ class AnyPacker {
 };
 static_assert(BytePacker<AnyPacker>);
 
-/// What a patch may be, whoever it comes from.
-struct PatchLimits {
-  std::optional<double> voxel_size{};  ///< Expected, if said [m].
-  std::optional<double> truncation{};  ///< Expected, if said [m].
-  std::uint32_t images = 4096;         ///< Most.
-  double image_weight = 100.0;         ///< Most that one image adds to a voxel.
-  double reach = 300.0;                ///< Farthest that a patch extends from its anchor [m].
-  std::uint32_t blocks = 1 << 14;      ///< Most; each takes three kilobytes of memory.
-  std::uint32_t notes = 1 << 14;       ///< Most views in vain, and most places without a path.
-};
-
 namespace detail {
 inline constexpr std::array<char, 4> kPatchMagic{'S', 'F', 'P', 'T'};
 inline constexpr std::uint8_t kPatchVersion = 2;
 inline constexpr std::size_t kPatchHeaderBytes = 4 + 2 + 2 + 20 + 4 + 16 + 96 + 24 + 4 + 12 + 8;
-/// Fewest and most bytes of a block before it is packed: place, flags and a mask; and with all that
-/// it can have.
+/// Fewest and most bytes of a block before it is packed, without its hits: place, flags and a mask;
+/// and with all voxels. Most of a hit, and most hits of a block.
 inline constexpr std::size_t kLeastPatchBlock = 2 + TsdfMap::kBlockVoxels / 8;
-inline constexpr std::size_t kMostPatchBlock =
-    10 + 65 + TsdfMap::kBlockVoxels * (2 + 5) + 2 +
-    TsdfMap::kBlockVoxels * SurfaceHits::kSides * (3 + 5 + 5 + 6);
+inline constexpr std::size_t kMostPatchBlock = 10 + 65 + TsdfMap::kBlockVoxels * (2 + 5) + 2;
+inline constexpr std::size_t kMostPatchHit = 3 + 5 + 5 + 6;
+inline constexpr std::size_t kMostBlockHits = TsdfMap::kBlockVoxels * SurfaceHits::kSides;
 /// So that places in a box fit 63 bits.
 inline constexpr std::int64_t kMostPatchExtent = std::int64_t{1} << 20;
 
@@ -188,14 +179,14 @@ EncodedPatch encode_patch(const MapPatch& patch, const Packer& packer = {}) {
   return {id, out.take()};
 }
 
-/// The patch of the bytes, plain or packed as `Packer` packs. Throws `Error` that begins with
-/// `what` on anything but a whole, sound patch of this version within the limits, before it
-/// allocates more than `limits.blocks` and `limits.notes` allow.
+/// The patch of the bytes, plain or packed as `Packer` packs. Throws `PatchError`, or `Error`, that
+/// begins with `what` on anything but a whole, sound patch of this version within the limits,
+/// before it allocates more than these allow the images that it is said to be of.
 template <BytePacker Packer = PlainPacker>
 MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limits = {},
                       const Packer& packer = {}, const std::string& what = "patch") {
-  const auto sound = [&](bool ok, const char* why) {
-    if (!ok) throw Error(what + ": " + why);
+  const auto sound = [&](bool ok, const char* why, PatchFault fault = PatchFault::malformed) {
+    if (!ok) throw PatchError(fault, what + ": " + why);
   };
   ByteReader in(bytes, what);
   sound(bytes.size() >= detail::kPatchHeaderBytes + 4, "ends early; expected a whole header");
@@ -206,7 +197,8 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
         "packed in a way that is not known here");
   std::uint32_t stored = 0;
   std::memcpy(&stored, bytes.data() + bytes.size() - 4, sizeof(stored));
-  sound(stored == crc32(bytes.first(bytes.size() - 4)), "checksum does not match");
+  sound(stored == crc32(bytes.first(bytes.size() - 4)), "checksum does not match",
+        PatchFault::checksum);
   sound(in.get<std::uint16_t>() == TsdfMap::kBlockSide, "blocks of another size; expected 8");
 
   MapPatch patch;
@@ -216,7 +208,7 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
   patch.id.hash = in.get<std::uint64_t>();
   const std::size_t facts_at = in.position();
   patch.images = in.get<std::uint32_t>();
-  sound(patch.images <= limits.images, "made of too many images");
+  sound(patch.images <= limits.images, "made of too many images", PatchFault::bomb);
   patch.voxel_size = in.get<double>();
   patch.truncation = in.get<double>();
   sound(patch.voxel_size > 0.0 && std::isfinite(patch.voxel_size) &&
@@ -232,6 +224,9 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
             (rotation.transpose() * rotation).isIdentity(1e-6) && rotation.determinant() > 0.0,
         "anchor: expected a finite position and a rotation");
   patch.anchor.linear() = rotation;
+  sound(limits.places.isEmpty() || patch.images == 0 ||
+            limits.places.contains(patch.anchor.translation()),
+        "images of where no robot can be", PatchFault::out_of_reach);
 
   detail::BlockBox box;
   for (int k = 0; k < 3; ++k) box.lo[k] = in.get<std::int32_t>();
@@ -250,17 +245,19 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
           "box: expected a first block before the last");
     const double at = patch.anchor.translation()[k];
     sound(box.lo[k] * side >= at - limits.reach && (box.hi[k] + 1.0) * side <= at + limits.reach,
-          "blocks out of reach of its images");
+          "blocks out of reach of its images", PatchFault::out_of_reach);
     places *= static_cast<double>(box.extent(k));
   }
-  sound(count <= limits.blocks && static_cast<double>(count) <= places,
-        "more blocks than its box or a patch can have");
-  sound(count == 0 || patch.images > 0, "blocks, but no images");
-  sound(views <= limits.notes && failures <= limits.notes, "more views in vain than it may have");
+  sound(count <= limits.most_blocks(patch.images) && static_cast<double>(count) <= places,
+        "more blocks than its box, its images or a patch can have", PatchFault::bomb);
+  sound(views <= limits.notes && failures <= limits.notes, "more views in vain than it may have",
+        PatchFault::bomb);
   const std::size_t notes_size = views * detail::kViewBytes + failures * detail::kFailureBytes;
+  const std::size_t hits =
+      std::min<std::uint64_t>(count * detail::kMostBlockHits, limits.most_hits(patch.images));
   sound(size >= count * detail::kLeastPatchBlock + notes_size &&
-            size <= count * detail::kMostPatchBlock + notes_size,
-        "blocks of a size that they cannot have");
+            size <= count * detail::kMostPatchBlock + hits * detail::kMostPatchHit + notes_size,
+        "blocks of a size that they cannot have", PatchFault::bomb);
   sound(packed + 4 == in.remaining(), "of another length than it says");
   const auto rest = in.take(packed);
   const Bytes payload = packing == PlainPacker::packing() ? PlainPacker{}.unpack(rest, size, what)
@@ -283,9 +280,9 @@ MapPatch decode_patch(std::span<const std::byte> bytes, const PatchLimits& limit
     return true;
   };
   for (const ViewNotes::View& v : patch.notes.views)
-    sound(near(v.place), "views out of reach of its images");
+    sound(near(v.place), "views out of reach of its images", PatchFault::out_of_reach);
   for (const ViewNotes::Failure& f : patch.notes.failures)
-    sound(near(f.place), "views out of reach of its images");
+    sound(near(f.place), "views out of reach of its images", PatchFault::out_of_reach);
   return patch;
 }
 }  // namespace surfleet

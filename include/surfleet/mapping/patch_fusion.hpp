@@ -109,16 +109,20 @@ class PatchFusion {
     open_cursor_ = open.revision();
     refresh();
   }
-  /// What was open is a patch now, or nothing: the map does not change by it, unless `patch` is not
-  /// what was shown last.
+  /// What was open is a patch now, or some, or nothing: the map does not change by it, unless these
+  /// are not what was shown last.
   void close_open(const MapPatch* patch) {
-    if (patch != nullptr) check(*patch);
+    close_open(std::span<const MapPatch>(patch, patch != nullptr ? 1 : 0));
+  }
+  void close_open(std::span<const MapPatch> patches) {
+    for (const MapPatch& patch : patches) check(patch);
     open_.for_each_block([&](const Sums::Block& b) { touched_.push_back(b.index); });
     open_ = Sums({.voxel_size = options_.voxel_size});
     open_cursor_ = 0;
-    if (patch != nullptr && !holds(patch->id.key)) {
-      apply(patch->blocks, 1);
-      held_[patch->id.key] = {patch->id.hash, Pose::Identity()};
+    for (const MapPatch& patch : patches) {
+      if (holds(patch.id.key)) continue;
+      apply(patch.blocks, 1);
+      held_[patch.id.key] = {patch.id.hash, Pose::Identity()};
     }
     refresh();
   }

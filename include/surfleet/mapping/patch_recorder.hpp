@@ -15,17 +15,20 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <surfleet/mapping/any_integrator.hpp>
 #include <surfleet/mapping/map_patch.hpp>
+#include <surfleet/mapping/patch_limits.hpp>
 
 namespace surfleet {
 struct PatchRecorderOptions {
   RobotId robot = 0;
-  std::uint32_t incarnation = 0;     ///< How often the robot was started before.
-  double voxel_size = 0.3;           ///< [m]
-  std::uint32_t images = 5;          ///< A patch is due after so many, or scans,
-  std::optional<double> distance{};  ///< or, if said, once the sensor has come so far [m].
+  std::uint32_t incarnation = 0;          ///< How often the robot was started before.
+  double voxel_size = 0.3;                ///< [m]
+  std::uint32_t images = 5;               ///< A patch is due after so many, or scans,
+  std::optional<double> distance{};       ///< or, if said, once the sensor has come so far [m],
+  std::optional<std::uint32_t> blocks{};  ///< or once it has as many blocks as this.
 };
 
 /// The open patch, an image at a time. It is a map of its own, so what one patch holds depends on
@@ -60,7 +63,8 @@ class PatchRecorder {
   /// Whether the patch has all it is to have.
   bool due() const {
     return images_ >= options_.images ||
-           (images_ > 0 && options_.distance && travelled_ >= *options_.distance);
+           (images_ > 0 && options_.distance && travelled_ >= *options_.distance) ||
+           (images_ > 0 && options_.blocks && map_.block_count() >= *options_.blocks);
   }
   /// The patch, as whole numbers; the next one is open and empty. Its hash is set when it is
   /// encoded. O(patch).
@@ -73,6 +77,15 @@ class PatchRecorder {
     images_ = 0;
     travelled_ = 0.0;
     return patch;
+  }
+
+  /// The same with notes, in as many patches as it takes to be within the limits.
+  std::vector<MapPatch> close(ViewNotes notes, const PatchLimits& limits) {
+    MapPatch patch = close();
+    patch.notes = std::move(notes);
+    std::vector<MapPatch> parts = parts_within(std::move(patch), limits);
+    number_ = parts.back().id.key.number + 1;
+    return parts;
   }
 
   const TsdfMap& open() const { return map_; }      ///< What the open patch holds so far.

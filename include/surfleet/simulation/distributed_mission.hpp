@@ -10,6 +10,7 @@
 
 #include <surfleet/fleet/distributed_options.hpp>
 #include <surfleet/fleet/impaired.hpp>
+#include <surfleet/fleet/message_drops.hpp>
 #include <surfleet/fleet/packet.hpp>
 #include <surfleet/mapping/patch_codec.hpp>
 #include <surfleet/simulation/catch_up.hpp>
@@ -46,7 +47,8 @@ struct DistributedResult {
   bool maps_equal = false;  ///< All that are left hold the same map, every voxel.
   std::vector<std::uint64_t> bytes_sent;  ///< One a robot.
   std::array<std::uint64_t, kMessageKinds> bytes_by_kind{};
-  std::array<std::uint64_t, kNetworkDrops> dropped{};
+  std::array<std::uint64_t, kNetworkDrops> dropped{};  ///< By the network …
+  MessageDrops refused;                                ///< … and by whom they reached.
   std::size_t redundant_stops = 0;
   std::vector<RobotId> lost;       ///< Killed or vanished.
   std::vector<CatchUp> catch_ups;  ///< In the order of time.

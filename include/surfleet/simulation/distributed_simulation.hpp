@@ -125,6 +125,7 @@ class DistributedSimulation {
     const auto id = static_cast<RobotId>(r);
     DistributedAgentOptions own = distributed_.agent;
     own.incarnation += incarnation;
+    own.sync.robots = own.relay.robots = static_cast<RobotId>(fleet_.size());
     AgentOptions agent = options_.agent;
     agent.home = homes_[r];
     return std::make_unique<Robot>(id, options_.kind, *bodies_[r], options_.belief, agent,
@@ -184,6 +185,7 @@ class DistributedSimulation {
       const Robot& robot = *robots_[r];
       record_.add_planning_robot(robot, ended_, !alive_[r]);
       result_.redundant_stops += robot.redundant_stops();
+      result_.refused += robot.drops();
       result_.bytes_sent.push_back(network_.bytes_sent(static_cast<RobotId>(r)));
       if (!alive_[r]) continue;
       m.complete = m.complete && robot.agent().stop_reason().value_or(StopReason::complete) ==

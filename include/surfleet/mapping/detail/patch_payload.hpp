@@ -41,6 +41,7 @@
 #include <surfleet/core/error.hpp>
 #include <surfleet/mapping/detail/hit_codec.hpp>
 #include <surfleet/mapping/map_patch.hpp>
+#include <surfleet/mapping/patch_limits.hpp>
 
 namespace surfleet::detail {
 /// Blocks from `lo` to `hi`, both included; none if `hi` is less.
@@ -222,8 +223,8 @@ inline std::vector<PatchBlock> get_patch_blocks(std::span<const std::byte> bytes
                                                 const BlockBox& box, std::uint32_t most_weight,
                                                 const std::string& what) {
   ByteReader in(bytes, what);
-  const auto sound = [&](bool ok, const char* why) {
-    if (!ok) throw Error(what + ": " + why);
+  const auto sound = [&](bool ok, const char* why, PatchFault fault = PatchFault::malformed) {
+    if (!ok) throw PatchError(fault, what + ": " + why);
   };
   std::vector<PatchBlock> blocks(count);
   std::vector<std::uint8_t> flags(count);
@@ -287,11 +288,13 @@ inline std::vector<PatchBlock> get_patch_blocks(std::span<const std::byte> bytes
       std::uint64_t rest = static_cast<std::uint8_t>(first[taken++]);
       if (rest == 255) {
         const std::uint64_t more = get_varint(in, what);
-        sound(more <= std::uint64_t{4} * kPatchMaxWeight, "weight out of bounds");
+        sound(more <= std::uint64_t{4} * kPatchMaxWeight, "weight out of bounds",
+              PatchFault::impossible_weight);
         rest += more;
       }
       const std::int64_t w = window.predicted_weight(p) + unzigzag(rest);
-      sound(w >= 1 && w <= std::int64_t{most_weight}, "weight that no such images give");
+      sound(w >= 1 && w <= std::int64_t{most_weight}, "weight that no such images give",
+            PatchFault::impossible_weight);
       b.weight[i] = static_cast<std::uint32_t>(w);
       window.set_weight(p, b.weight[i]);
     }
@@ -320,15 +323,17 @@ inline std::vector<PatchBlock> get_patch_blocks(std::span<const std::byte> bytes
   std::array<std::int64_t, 8> last_weight{};  // by side
   each_hit([&](PatchHit& h) {
     const std::uint64_t rest = get_varint(in, what);
-    sound(rest <= std::uint64_t{4} * kPatchMaxWeight, "hit's weight out of bounds");
+    sound(rest <= std::uint64_t{4} * kPatchMaxWeight, "hit's weight out of bounds",
+          PatchFault::impossible_weight);
     std::int64_t& w = last_weight[h.key & 7U];
     w += unzigzag(rest);
-    sound(w >= 0 && w <= std::int64_t{most_weight}, "hit's weight that no such images give");
+    sound(w >= 0 && w <= std::int64_t{most_weight}, "hit's weight that no such images give",
+          PatchFault::impossible_weight);
     h.weight = static_cast<std::uint32_t>(w);
   });
   each_hit([&](PatchHit& h) {
     const std::uint64_t w = get_varint(in, what);
-    sound(w <= most_weight, "hit's weight that no such images give");
+    sound(w <= most_weight, "hit's weight that no such images give", PatchFault::impossible_weight);
     h.passed = static_cast<std::uint32_t>(w);
     sound(h.weight != 0 || h.passed != 0, "hit without weight");
   });
