@@ -25,3 +25,4 @@
 #include <surfleet/fleet/team_agreement.hpp>
 #include <surfleet/fleet/team_end.hpp>
 #include <surfleet/fleet/team_relay.hpp>
+#include <surfleet/fleet/way_home.hpp>
