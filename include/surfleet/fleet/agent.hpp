@@ -23,6 +23,7 @@
 #include <surfleet/fleet/path_around.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
+#include <surfleet/fleet/stall_watch.hpp>
 #include <surfleet/fleet/watchful_view.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
@@ -217,6 +218,7 @@ class Agent {
     if (phase_ == Phase::flying && time > held_until_) give_up_route();
     body_->advance(options_.image_period);
     endurance_.moved_to(body_->estimate().position);
+    watch_for_stalls(time);
     if (phase_ == Phase::flying && has_arrived()) phase_ = Phase::observing;
   }
 
@@ -251,6 +253,7 @@ class Agent {
     if (kind().sees_all_around()) at.yaw = route_.front().configuration.yaw;
     note_views_in_vain(*belief_, space(), at, route_.front(), images_, most_images());
     route_.erase(route_.begin());
+    stalls_.arrives();
     phase_ = Phase::waiting;
   }
   void halt() {
@@ -341,6 +344,15 @@ class Agent {
     ++departures_;
   }
 
+  /// A body that does not move leaves its work to others, and at last does no more.
+  void watch_for_stalls(double time) {
+    if (held_ || (!moving() && phase_ != Phase::scanning)) return stalls_.rests();
+    if (!stalls_.moves(body_->estimate(), polyline_length(body_->remaining()) < kStanding, time))
+      return;
+    give_up_to_others(time);
+    halt();
+    if (stalls_.stranded()) retire(StopReason::stranded);
+  }
   /// Where robots block each other for good, one does something else.
   void give_up_route() {
     const std::vector<VoxelIndex>& targets = route_.front().targets;
@@ -410,6 +422,7 @@ class Agent {
   AgentOptions options_;
   Configuration home_;
   TrafficPolicy traffic_;
+  StallWatch stalls_;
   Endurance endurance_;
   std::optional<StopReason> retired_;
   int vain_returns_ = 0;

@@ -22,7 +22,7 @@ enum class StopReason : std::uint8_t {
   enough,         ///< What was left would have gained less than the least gain.
   coverage_goal,  ///< The share that was asked for is reached, by the mission's own account.
   endurance,      ///< It had to be back at its start.
-  stranded,       ///< It found no path back to its start.
+  stranded,       ///< It found no path back to its start, or its body did not move.
   ended           ///< The mission was ended, by time or from outside.
 };
 inline std::string_view name_of(StopReason reason) {
