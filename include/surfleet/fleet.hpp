@@ -23,6 +23,8 @@
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/robot_news.hpp>
 #include <surfleet/fleet/single_agent.hpp>
+#include <surfleet/fleet/stall_watch.hpp>
 #include <surfleet/fleet/team_agreement.hpp>
 #include <surfleet/fleet/team_end.hpp>
 #include <surfleet/fleet/team_relay.hpp>
+#include <surfleet/fleet/way_home.hpp>

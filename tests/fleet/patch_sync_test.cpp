@@ -234,7 +234,7 @@ TEST(one_that_misses_much_is_served_by_all_that_have_it) {
   CHECK(all_equal(team) && team[0].held().size() == kPatches);
   for (RobotId r = 1; r <= kMates; ++r) CHECK(sent[r] >= kPatches / kMates / 2);
   CHECK(tick <= 3 * static_cast<int>(kPatches / kMates) / 2);
-  CHECK(team[0].counts().duplicates <= kPatches / 20);
+  CHECK(team[0].duplicates() <= kPatches / 20);
 }
 
 TEST(the_first_content_of_a_name_stays) {

@@ -19,9 +19,11 @@
 #include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/endurance.hpp>
 #include <surfleet/fleet/note_views_in_vain.hpp>
+#include <surfleet/fleet/open_work.hpp>
 #include <surfleet/fleet/path_around.hpp>
 #include <surfleet/fleet/robot_body.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
+#include <surfleet/fleet/stall_watch.hpp>
 #include <surfleet/fleet/watchful_view.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
 #include <surfleet/motion/low_level_planner.hpp>
@@ -58,10 +60,12 @@ class Agent {
         belief_(&belief),
         options_(options),
         home_(options.home.value_or(body.estimate())),
-        endurance_(options.endurance, home_.position, belief.space(kind).kind.limits),
-        traffic_(traffic_options(belief.space(kind).kind.limits, options.image_period)) {
+        traffic_(traffic_options(belief.space(kind).kind.limits, options.image_period)),
+        endurance_(options.endurance, home_.position, this->kind().limits, apart(),
+                   travelled_by(body)) {
     require(GimballedBody<Body> || !this->kind().has_gimbal(),
             "pitches of the robot's kind: expected 0 alone, as its body has no gimbal");
+    endurance_.moved_to(body.estimate().position);
   }
 
   // -- sensing -----------------------------------------------------------------------------------
@@ -123,18 +127,11 @@ class Agent {
   void check_stop() {
     if (!given_up_.empty()) belief_->not_reached(std::exchange(given_up_, {}));
     if (phase_ == Phase::observing) {
-      ++images_;
-      bool done = true;
-      std::size_t needed = 0;
-      for (const VoxelIndex& v : route_.front().targets) {
-        if (!belief_->incomplete().contains(v)) continue;
-        done = false;
-        needed = std::max(needed, belief_->images_needed(body_->estimate().position, v));
-      }
-      if (done || images_ >= std::min(needed, most_images())) leave_stop();
+      const auto needed = images_needed(*belief_, body_->estimate().position, route_.front());
+      if (++images_ >= std::min(needed, most_images())) leave_stop();
     }
     if (!moving()) return;
-    if (phase_ == Phase::flying && is_pointless(route_.front())) {
+    if (phase_ == Phase::flying && is_pointless(*belief_, route_.front())) {
       leave_goal();
     } else if (obstacle_ahead_(space().free, body_->remaining(), body_->stopping_distance())) {
       ++emergency_stops_;
@@ -144,9 +141,9 @@ class Agent {
 
   /// Does no more than to go back to its start.
   void retire(StopReason reason) {
-    if (retired_) return;
+    if (retired_ && reason != StopReason::stranded) return;
+    if (!retired_) worked_ = endurance_.travelled();
     retired_ = reason;
-    worked_ = endurance_.travelled();
     route_.clear();
     initial_work_ = 0;
     replan_ = {};
@@ -167,15 +164,10 @@ class Agent {
   /// less and less often, as a plan is one for all, and disturbs them.
   void accept(Stops route, const ReplanRule& rule, double time) {
     if (retired_) return;
-    const bool same =
-        !route.empty() && !route_.empty() && phase_ != Phase::waiting &&
-        (route.front().configuration.position - route_.front().configuration.position).norm() <
-            1e-6 &&
-        std::abs(wrap_angle(route.front().configuration.yaw - route_.front().configuration.yaw)) <
-            1e-6 &&
-        std::abs(route.front().configuration.pitch - route_.front().configuration.pitch) < 1e-6;
+    const bool same = !route.empty() && !route_.empty() && phase_ != Phase::waiting &&
+                      nearly_equal(route.front().configuration, route_.front().configuration);
     route_ = std::move(route);
-    initial_work_ = open_work();
+    initial_work_ = open_work(*belief_, route_);
     replan_ = rule;
     if (!same) leave_goal();
     if (route_.empty())
@@ -185,8 +177,8 @@ class Agent {
   }
   /// Sets out for the next stop if it waits for that, or turns to it in flight.
   void set_out(double time) {
-    if (endurance_.must_return(time, [this] { return distance_home(body_->estimate().position); }))
-      retire(StopReason::endurance);
+    endurance_.update(space().roadmap, heard_.size());
+    if (!retired_ && endurance_.must_return(time, space().roadmap)) retire(StopReason::endurance);
     if (phase_ != Phase::waiting) return;
     if (retired_ && route_.empty() && !at_rest() && time >= idle_until_) route_ = {{home_, {}}};
     if (!body_->standing()) {
@@ -226,6 +218,7 @@ class Agent {
     if (phase_ == Phase::flying && time > held_until_) give_up_route();
     body_->advance(options_.image_period);
     endurance_.moved_to(body_->estimate().position);
+    watch_for_stalls(time);
     if (phase_ == Phase::flying && has_arrived()) phase_ = Phase::observing;
   }
 
@@ -245,21 +238,10 @@ class Agent {
   bool watches() const { return options_.watchful && !kind().sees_all_around(); }
   bool moving() const { return phase_ == Phase::flying || phase_ == Phase::aside; }
 
-  /// Nothing is left that the stop was for; one that is for nothing stays to be flown to.
-  bool is_pointless(const Stop& stop) const {
-    return !stop.targets.empty() &&
-           std::none_of(stop.targets.begin(), stop.targets.end(),
-                        [&](const VoxelIndex& v) { return belief_->is_open(v); });
-  }
-  std::size_t open_work() const {
-    std::size_t n = 0;
-    for (const Stop& s : route_)
-      for (const VoxelIndex& v : s.targets) n += belief_->incomplete().contains(v) ? 1 : 0;
-    return n;
-  }
   bool is_spent() const {
-    return initial_work_ > 0 && UtilityCheck{replan_.utility_share.value_or(
-                                    options_.utility_share)}(initial_work_, open_work());
+    return initial_work_ > 0 &&
+           UtilityCheck{replan_.utility_share.value_or(options_.utility_share)}(
+               initial_work_, open_work(*belief_, route_));
   }
   /// Images that a stop may take at the most.
   std::size_t most_images() const {
@@ -271,6 +253,7 @@ class Agent {
     if (kind().sees_all_around()) at.yaw = route_.front().configuration.yaw;
     note_views_in_vain(*belief_, space(), at, route_.front(), images_, most_images());
     route_.erase(route_.begin());
+    stalls_.arrives();
     phase_ = Phase::waiting;
   }
   void halt() {
@@ -293,11 +276,11 @@ class Agent {
     bool too_far = false;
     while (!route_.empty()) {
       const Stop& stop = route_.front();
-      if (is_pointless(stop)) {
+      if (is_pointless(*belief_, stop)) {
         route_.erase(route_.begin());
         continue;
       }
-      if (const auto path = path_to(stop.configuration.position)) {
+      if (const auto path = retired_ ? path_home(time) : path_to(stop.configuration.position)) {
         if (affords(*path, time)) return set_off(*path);
         too_far = true;
       } else {
@@ -311,14 +294,20 @@ class Agent {
     else
       rest(time);
   }
-  /// Idle mates give way to robots with work; among those that go home none would.
   std::optional<Path> path_to(const Point3& goal) const {
+    return space().roadmap.query(body_->estimate().position, goal);
+  }
+  /// Idle mates give way to robots with work; among those that go home none would.
+  std::optional<Path> path_home(double time) const {
     std::vector<Point3> standing;
     for (const auto& [id, mate] : heard_)
-      if (retired_ && polyline_length(mate.path) < kStanding) standing.push_back(mate.position);
-    return path_around(space(), body_->estimate().position, goal, standing,
-                       2.0 * kind().body_radius + traffic_.options.standing_gap());
+      if (polyline_length(mate.path) < kStanding) standing.push_back(mate.position);
+    const Point3 here = body_->estimate().position;
+    return endurance_.path_home(path_around(space(), here, home_.position, standing, apart()),
+                                space().free, time);
   }
+  /// Between those that pass each other [m].
+  double apart() const { return 2.0 * kind().body_radius + traffic_.options.standing_gap(); }
   bool is_home() const { return (body_->estimate().position - home_.position).norm() < kHome; }
   double distance_home(const Point3& from) const {
     const auto path = space().roadmap.query(from, home_.position);
@@ -331,10 +320,9 @@ class Agent {
   /// Whether the robot, under way to a goal that is none any more, could turn to its next stop.
   bool turns(double time) {
     if (body_->braking()) return false;
-    while (!route_.empty() && is_pointless(route_.front())) route_.erase(route_.begin());
+    while (!route_.empty() && is_pointless(*belief_, route_.front())) route_.erase(route_.begin());
     if (route_.empty()) return false;
-    const auto path =
-        space().roadmap.query(body_->estimate().position, route_.front().configuration.position);
+    const auto path = path_to(route_.front().configuration.position);
     if (!path || retired_ || !affords(*path, time)) return false;
     // A robot that has to turn back is sooner there if it brakes first.
     if (path->points.size() > 1 && body_->velocity().dot(path->points[1] - path->points[0]) < 0.0)
@@ -356,6 +344,15 @@ class Agent {
     ++departures_;
   }
 
+  /// A body that does not move leaves its work to others, and at last does no more.
+  void watch_for_stalls(double time) {
+    if (held_ || (!moving() && phase_ != Phase::scanning)) return stalls_.rests();
+    if (!stalls_.moves(body_->estimate(), polyline_length(body_->remaining()) < kStanding, time))
+      return;
+    give_up_to_others(time);
+    halt();
+    if (stalls_.stranded()) retire(StopReason::stranded);
+  }
   /// Where robots block each other for good, one does something else.
   void give_up_route() {
     const std::vector<VoxelIndex>& targets = route_.front().targets;
@@ -369,8 +366,9 @@ class Agent {
     std::vector<TrafficAgent> traffic{self};
     for (const auto& [id, mate] : heard_) traffic.push_back(mate);
     add_silent_mates(seen_, heard_, self, traffic_.options, traffic);
-    const auto free = [this](const Point3& p, const Point3& q) {
-      return space().free.is_free_segment(p, q);
+    const auto free = [&](const Point3& p, const Point3& q) {
+      return space().free.is_free_segment(p, q) &&
+             endurance_.affords_aside((q - p).norm(), time, retired_.has_value());
     };
     const Maneuver m = traffic_(self, traffic, free, time);
     switch (m.kind) {
@@ -423,11 +421,12 @@ class Agent {
   SurfaceBelief* belief_;
   AgentOptions options_;
   Configuration home_;
+  TrafficPolicy traffic_;
+  StallWatch stalls_;
   Endurance endurance_;
   std::optional<StopReason> retired_;
   int vain_returns_ = 0;
   double worked_ = 0.0;  // travelled until then [m]
-  TrafficPolicy traffic_;
   ObstacleCheck obstacle_ahead_{.lookahead = 1.5};
   SensorReading reading_;
   Phase phase_ = Phase::scanning;

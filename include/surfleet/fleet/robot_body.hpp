@@ -59,4 +59,17 @@ template <typename B>
 concept GimballedBody = RobotBody<B> && requires(B& body, double pitch) {
   body.tilt(pitch);
 };
+
+/// A body that knows how far it has flown on its charge, `travelled()` [m], whatever drove it: an
+/// agent that takes it over goes on from there.
+template <typename B>
+concept MeasuredBody = RobotBody<B> && requires(const B& now) {
+  { now.travelled() } -> std::convertible_to<double>;
+};
+/// What a body says that it has flown; 0 for one that does not know [m].
+template <RobotBody B>
+double travelled_by(const B& body) {
+  if constexpr (MeasuredBody<B>) return body.travelled();
+  return 0.0;
+}
 }  // namespace surfleet

@@ -42,10 +42,7 @@ struct RollingToursOptions {
   /// So far beside their places stops may be for a shorter path, over the range.
   double slack = 0.2;
   double utility_share = 0.2;  ///< A new plan is wanted when so much of a route is complete.
-  bool exchange = false;       ///< See `TeamTourOptions`.
-  /// Whether all stops of a robot's last tour cost less to keep than to change, as its goal does.
-  bool keep_tours = false;
-  int threads = 1;  ///< Plans are the same for any number.
+  int threads = 1;             ///< Plans are the same for any number.
 };
 
 /// Orienteering tours of the whole team over all targets, planned anew with every image.
@@ -160,7 +157,6 @@ class RollingTours {
       if (const auto goal = goals_.find(waiting[w].id); goal != goals_.end())
         if (const auto it = sites.by_node.find(goal->second); it != sites.by_node.end())
           starts.back().goal = it->second;
-      if (options.keep_tours) starts.back().told = told_sites(waiting[w].id, sites);
     }
     // A robot under way goes on from its last stop.
     for (const auto& [id, route] : under_way) {
@@ -168,7 +164,6 @@ class RollingTours {
                         {},
                         options.stops - static_cast<int>(route->size()),
                         {},
-                        options.keep_tours ? told_sites(id, sites) : std::vector<std::size_t>{},
                         false});
       for (const Point3& p : sites.positions)
         starts.back().distance.push_back((p - starts.back().from.position).norm());
@@ -180,13 +175,9 @@ class RollingTours {
                                   .turn_cost = options.turn_cost,
                                   .keep = options.keep,
                                   .balance = options.balance,
-                                  .exchange = options.exchange,
                                   .threads = options.threads})();
     for (std::size_t w = 0; w < waiting.size(); ++w) {
       goals_.erase(waiting[w].id);
-      std::vector<std::size_t>& told = told_[waiting[w].id];
-      told.clear();
-      for (const TeamTourStop& stop : tours[w]) told.push_back(views.node(stop.site));
       if (tours[w].empty()) continue;
       plan.outlook[waiting[w].id] = outlook_of(tours[w], starts[w], sites.positions);
       const std::size_t first = tours[w].front().site;
@@ -200,15 +191,6 @@ class RollingTours {
     }
   }
 
-  std::vector<std::size_t> told_sites(RobotId id, const Sites& sites) const {
-    std::vector<std::size_t> told;
-    if (const auto last = told_.find(id); last != told_.end())
-      for (const std::size_t node : last->second)
-        if (const auto it = sites.by_node.find(node); it != sites.by_node.end())
-          told.push_back(it->second);
-    std::sort(told.begin(), told.end());
-    return told;
-  }
   static Outlook outlook_of(std::span<const TeamTourStop> tour, const TourStart& start,
                             std::span<const Point3> sites) {
     Outlook outlook;
@@ -372,10 +354,9 @@ class RollingTours {
   OpeningViews opening_;
   ViewsInVain vain_;
   std::optional<Lattice> lattice_;
-  std::uint64_t followed_ = 0;                        // revision of its space
-  std::map<RobotId, std::vector<Reached>> reached_;   // by robot asked for
-  std::vector<Moved> moved_;                          // of the stops given out last
-  std::map<RobotId, std::vector<std::size_t>> told_;  // the nodes of its last tour
-  std::map<RobotId, std::size_t> goals_;              // the node each was sent to
+  std::uint64_t followed_ = 0;                       // revision of its space
+  std::map<RobotId, std::vector<Reached>> reached_;  // by robot asked for
+  std::vector<Moved> moved_;                         // of the stops given out last
+  std::map<RobotId, std::size_t> goals_;             // the node each was sent to
 };
 }  // namespace surfleet

@@ -15,7 +15,6 @@
 
 #include <surfleet/allocation/cheapest_insertion.hpp>
 #include <surfleet/allocation/hamiltonian_path.hpp>
-#include <surfleet/allocation/improve_allocation.hpp>
 #include <surfleet/allocation/lin_kernighan.hpp>
 #include <surfleet/core/parallel.hpp>
 #include <surfleet/core/rotation.hpp>
@@ -41,12 +40,9 @@ concept ViewsFromSites = requires(V& views, std::size_t s, double enough, GainBy
 struct TeamTourOptions {
   double stop_cost = 1.0;  ///< What a stop costs beside its detour; more than 0 [m].
   double turn_cost = 0.1;  ///< What turning costs; gimbals tilt meanwhile [m/rad].
-  /// Gain of a robot's current goal, and of what else it was told, over that of another.
-  double keep = 1.3;
+  double keep = 1.3;       ///< Gain of a robot's current goal, over that of another.
   /// What a metre costs by which a robot's tour is longer than the shortest of the team.
   double balance = 0.3;
-  /// Whether stops are exchanged between tours when all are inserted, see `ImproveAllocation`.
-  bool exchange = false;
   int threads = 1;  ///< The result is the same for any number.
 };
 /// Where a robot's tour begins.
@@ -55,7 +51,6 @@ struct TourStart {
   std::vector<double> distance;       ///< To each site [m]; infinite where there is no path.
   int stops = 10;                     ///< At the most.
   std::optional<std::size_t> goal{};  ///< The site it is flying to.
-  std::vector<std::size_t> told{};    ///< Other sites it was told to go to, ascending.
   /// Whether the order of the tour is asked for, or only what it leaves to the others.
   bool asked = true;
 };
@@ -92,7 +87,6 @@ class TeamTours {
       tours_[best->tour].insert(best->stop, best->leg, options_.stop_cost);
       views_->take(best->stop.site, best->stop.view);
     }
-    if (options_.exchange) exchange();
     std::vector<std::vector<TeamTourStop>> ordered(tours_.size());
     parallel_for(tours_.size(), options_.threads, [&](std::size_t t) {
       ordered[t] = tours_[t].start->asked ? in_order(tours_[t]) : tours_[t].stops;
@@ -175,9 +169,7 @@ class TeamTours {
 
   InsertionCost cost_of(const Tour& tour, std::size_t s, double shortest) const {
     if (tour.full() || std::isinf(tour.start->distance[s])) return {};
-    const bool kept = tour.start->goal == s ||
-                      std::binary_search(tour.start->told.begin(), tour.start->told.end(), s);
-    const double keep = kept ? 1.0 / options_.keep : 1.0;
+    const double keep = tour.start->goal == s ? 1.0 / options_.keep : 1.0;
     InsertionCost cost;
     cost.metres = keep * (std::max(tour.insertion[s].extra, 0.0) + options_.stop_cost +
                           options_.balance * (tour.length - shortest));
@@ -266,65 +258,6 @@ class TeamTours {
     }
     return best;
   }
-  /// A robot has so many stops at the most, and those that a robot is flying to stay.
-  struct Rooms {
-    std::vector<std::size_t> most;  // by robot
-    std::vector<char> stays;        // by stop
-
-    bool permits(int robot, int stop, const Route& route) const {
-      return route.order.size() < most[static_cast<std::size_t>(robot)] &&
-             stays[static_cast<std::size_t>(stop)] == 0;
-    }
-    bool admits(int robot, const Route& route) const {
-      return route.order.size() <= most[static_cast<std::size_t>(robot)];
-    }
-  };
-  /// Stops go over to robots that are nearer, to the advantage of the total length and, `balance`
-  /// times, of the longest tour.
-  void exchange() {
-    const int robots = static_cast<int>(tours_.size());
-    std::vector<TeamTourStop> all;
-    FleetPlan plan;
-    Rooms rooms;
-    for (const Tour& tour : tours_) {
-      rooms.most.push_back(static_cast<std::size_t>(std::max(tour.start->stops, 0)));
-      plan.routes.emplace_back();
-      for (const TeamTourStop& stop : tour.stops) {
-        plan.routes.back().push_back(static_cast<int>(all.size()));
-        all.push_back(stop);
-        rooms.stays.push_back(std::any_of(tours_.begin(), tours_.end(), [&](const Tour& t) {
-          return t.start->goal == stop.site;
-        }));
-      }
-    }
-    const int stops = static_cast<int>(all.size());
-    MatrixRouting routing{robots, CostMatrix(robots + stops), CostMatrix(robots + stops)};
-    for (int j = 0; j < stops; ++j) {
-      const TeamTourStop& to = all[static_cast<std::size_t>(j)];
-      const double yaw = heading_angle(to.view % kHeadings);
-      const auto set = [&](int from, double distance, double from_yaw) {
-        routing.length(from, robots + j) = distance + turn(from_yaw, yaw) + options_.stop_cost;
-      };
-      for (int t = 0; t < robots; ++t) {
-        const TourStart& start = *tours_[static_cast<std::size_t>(t)].start;
-        set(t, start.distance[to.site], start.from.yaw);
-      }
-      for (int i = 0; i < stops; ++i) {
-        const TeamTourStop& from = all[static_cast<std::size_t>(i)];
-        set(robots + i, (sites_[from.site] - sites_[to.site]).norm(),
-            heading_angle(from.view % kHeadings));
-      }
-    }
-    const double mean_weight = robots / std::max(options_.balance, kLeastBalance);
-    const ImproveAllocation<MakespanAndMean, InsertionValue<RouteShortness>, Rooms> improve{
-        .objective = {.mean_weight = mean_weight}, .constraint = rooms};
-    plan = improve(routing, plan);
-    for (std::size_t t = 0; t < tours_.size(); ++t) {
-      tours_[t].stops.clear();
-      for (const int i : plan.routes[t])
-        tours_[t].stops.push_back(all[static_cast<std::size_t>(i)]);
-    }
-  }
   std::vector<TeamTourStop> in_order(const Tour& tour) const {
     const auto length = [&](int i, int j) {
       const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
@@ -338,8 +271,7 @@ class TeamTours {
     return ordered;
   }
 
-  static constexpr std::size_t kBatch = 8;       ///< Sites evaluated at a time.
-  static constexpr double kLeastBalance = 1e-6;  ///< As good as none.
+  static constexpr std::size_t kBatch = 8;  ///< Sites evaluated at a time.
   /// Of the best rate, for another to be as good but for rounding; then the first site is taken.
   static constexpr double kTie = 1.0 - 1e-12;
 

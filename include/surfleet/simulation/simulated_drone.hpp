@@ -17,9 +17,9 @@
 #include <surfleet/simulation/world_model.hpp>
 
 namespace surfleet {
-/// Models `GimballedBody`: it knows the truth, and says it. World and the fleet's true
-/// configurations, in which it keeps its own up to date, and the sense of neighbours must outlive
-/// it.
+/// Models `GimballedBody` and `MeasuredBody`: it knows the truth, and says it. World and the
+/// fleet's true configurations, in which it keeps its own up to date, and the sense of neighbours
+/// must outlive it.
 template <WorldModel World>
 class SimulatedDrone {
  public:
@@ -67,9 +67,12 @@ class SimulatedDrone {
   void advance(double dt) {
     gimbal_.advance(goal_pitch_, dt);
     Configuration& at = (*fleet_)[robot_];
+    const Point3 last = at.position;
     at = motion_.advance(dt);
     at.pitch = gimbal_.yaw;
+    travelled_ += (at.position - last).norm();
   }
+  double travelled() const { return travelled_; }
 
   SimulatedDrone(const SimulatedDrone&) = delete;  // the law of its heading refers to it
   SimulatedDrone& operator=(const SimulatedDrone&) = delete;
@@ -90,6 +93,7 @@ class SimulatedDrone {
   const NeighbourSense* sense_neighbours_;
   std::vector<SeenRobot> neighbours_;
   double watch_yaw_ = 0.0, goal_pitch_ = 0.0;
+  double travelled_ = 0.0;  // [m]
   std::uint64_t shot_ = 0;
 };
 }  // namespace surfleet
