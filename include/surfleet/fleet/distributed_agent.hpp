@@ -40,8 +40,9 @@ class DistributedAgent {
   DistributedAgent(RobotId id, const RobotKind& kind, Body& body, SurfaceBeliefOptions belief,
                    AgentOptions agent, double start_clearance, Planner planner,
                    DistributedAgentOptions options = {}, Packer packer = {})
-      : DistributedAgent(Checked{SurfaceBelief::checked(std::move(belief))}, id, kind, body, agent,
-                         start_clearance, std::move(planner), options, std::move(packer)) {}
+      : DistributedAgent(Checked{SurfaceBelief::checked(belief_for(planner, std::move(belief)))},
+                         id, kind, body, agent, start_clearance, std::move(planner), options,
+                         std::move(packer)) {}
   DistributedAgent(const DistributedAgent&) = delete;
   DistributedAgent& operator=(const DistributedAgent&) = delete;
 
@@ -50,7 +51,7 @@ class DistributedAgent {
     SurfaceBeliefOptions belief;
   };
   DistributedAgent(const Checked& checked, RobotId id, const RobotKind& kind, Body& body,
-                   AgentOptions agent, double start_clearance, Planner planner,
+                   AgentOptions agent, double start_clearance, Planner&& planner,
                    const DistributedAgentOptions& options, Packer packer)
       : id_(id),
         kind_(kind_number(kind)),

@@ -52,9 +52,12 @@ SURFLEET_INLINE AnyPlanner make_planner(std::string_view name, const PlannerSett
     if constexpr (requires { planner.select.merge; }) planner.select.merge = settings.merge;
     planner.utility = {.lambda_tc = settings.lambda_tc, .lambda_ic = settings.lambda_ic};
     planner.gain.ends_at_unknown = named.as_printed;
-    if (named.as_printed) return AnyPlanner(std::move(planner));
-    return AnyPlanner(
-        WithFrontierViews(std::move(planner), FrontierViewsOptions{.distance = settings.standoff}));
+    if (!named.as_printed)
+      return AnyPlanner(WithFrontierViews(std::move(planner),
+                                          FrontierViewsOptions{.distance = settings.standoff}));
+    AnyPlanner printed(std::move(planner));
+    printed.observed_share = 1.0;
+    return printed;
   };
   if (name == "surfleet") return default_planner(settings);
   if (name == "tsga") return made(TsgaPlanner(detail::printed_tours(settings)));
