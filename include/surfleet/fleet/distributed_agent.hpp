@@ -200,7 +200,7 @@ class DistributedAgent {
       agent_.give_up_to_others(now_);
     }
     const bool at_rest = agent_.at_rest();
-    if (!agent_.asks(now_) && !(at_rest && finds_news())) return;
+    if (!agent_.asks(now_) && !requests_.is_due(belief_) && !(at_rest && finds_news())) return;
     std::vector<RobotState> team = team_;
     team.push_back(agent_.state(now_));
     std::sort(team.begin(), team.end(),

@@ -83,6 +83,8 @@ struct ReplanRule {
   /// if not, they turn to the goal's heading as soon as it is no farther off than half a turn
   /// takes.
   bool watch_on = false;
+  /// Whether every robot is planned for anew whenever the map has changed.
+  bool every_map = false;
 };
 
 /// What is expected of a route and of what would follow it, by the planner: the beginning of it

@@ -15,9 +15,6 @@
 
 namespace surfleet {
 namespace detail {
-/// By which an update of the map is told, at every one of which NNB chooses [000 §3.6.1].
-inline constexpr double kMapUpdate = 0.1;
-
 inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
   TourPlannerOptions tours;
   tours.distance = s.standoff;
@@ -29,9 +26,12 @@ inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
 }
 /// With bounded clusters, and plans for all at once.
 inline TourPlannerOptions own_tours(const PlannerSettings& s) {
-  TourPlannerOptions tours = printed_tours(s);
-  tours.clusters.max_extent = 2.0 * s.cluster_max_radius;
-  tours.asynchronous = false;
+  TourPlannerOptions tours;
+  tours.distance = s.standoff;
+  tours.clusters = {.radius = s.cluster_radius,
+                    .max_radius = s.cluster_max_radius,
+                    .max_extent = 2.0 * s.cluster_max_radius};
+  tours.by_path = s.cluster_by_path;
   tours.replan.utility_share = s.utility_share;
   return tours;
 }
@@ -65,7 +65,7 @@ SURFLEET_INLINE AnyPlanner make_planner(std::string_view name, const PlannerSett
     // Every robot chooses for itself, and two may choose the same cluster.
     TourPlannerOptions tours = detail::printed_tours(settings);
     tours.exclusive = false;
-    tours.replan.utility_share = settings.utility_share.value_or(detail::kMapUpdate);
+    tours.replan.every_map = true;
     NnbPlanner planner(tours);
     planner.allocate.rule.exclusive = false;
     return made(std::move(planner));
