@@ -18,6 +18,61 @@
 namespace {
 using namespace surfleet;
 
+/// Gives routes in turn, and then none. Notes where and when it was asked.
+struct Scripted {
+  struct Question {
+    double time;
+    Point3 at;
+    bool with_route;
+  };
+  std::vector<std::function<Stops(const SurfaceSituation&)>> routes;
+  bool as_printed;
+  std::vector<Question>* asked;
+  Plan operator()(const SurfaceSituation& s) {
+    Plan plan;
+    plan.replan = {.utility_share = 0.8, .watch_on = true, .as_printed = as_printed};
+    plan.routes[0] = asked->size() < routes.size() ? routes[asked->size()](s) : Stops{};
+    asked->push_back({s.time, s.team[0].at.position, !s.team[0].route.empty()});
+    return plan;
+  }
+};
+template <typename World>
+MissionResult fly(const World& world, const Configuration& start, const Scripted& script) {
+  World own = world;
+  MissionOptions o = box_world::options(own);
+  o.max_time = 90.0;
+  Simulation<AnyPlanner, World> mission(o, own, std::span(&start, 1), script);
+  return mission.run();
+}
+const Configuration& end_of(const MissionResult& r) {
+  return r.trajectories[0].back().configuration;
+}
+
+/// Shows nothing at all to a robot that has not come any nearer.
+struct Fog : box_world::World {
+  DepthImage capture(std::size_t robot, std::uint64_t shot,
+                     std::span<const Configuration> fleet) const {
+    return fleet[robot].position.x() < -2.85 ? DepthImage(camera.width, camera.height, 0.0F)
+                                             : World::capture(robot, shot, fleet);
+  }
+};
+TEST(an_obstacle_ahead_ends_a_printed_route_and_asks_for_another) {
+  const Configuration start{Point3(-2.9, 0.0, 1.0), 0.0};
+  const Configuration blocked{Point3(-1.9, 0.0, 1.0), 0.0}, clear{Point3(-2.9, 0.9, 1.0), 0.0};
+  for (const bool printed : {true, false}) {
+    std::vector<Scripted::Question> asked;
+    const MissionResult r = fly(Fog{}, start,
+                                {{[&](const SurfaceSituation&) {
+                                   return Stops{{blocked, {}}, {clear, {}}};
+                                 }},
+                                 printed,
+                                 &asked});
+    CHECK(r.emergency_stops == 1 && asked.size() >= 2);
+    CHECK((end_of(r).position.y() > 0.8) == !printed);
+    if (printed) CHECK(!asked[1].with_route && asked[1].at.x() < -1.95);
+  }
+}
+
 TEST(printed_planners_are_flown_on_voxels_of_the_whole_weight) {
   box_world::World world;
   const MissionOptions o = box_world::options(world);

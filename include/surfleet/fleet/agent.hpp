@@ -139,6 +139,7 @@ class Agent {
     } else if (obstacle_ahead_(space().free, body_->remaining(), body_->stopping_distance())) {
       ++emergency_stops_;
       halt();
+      if (replan_.as_printed) drop_route(0.0);
     }
   }
 
@@ -158,10 +159,8 @@ class Agent {
   // -- planning ----------------------------------------------------------------------------------
   /// Leaves what it was about to do to other robots, and asks for other work at once.
   void give_up_to_others(double time) {
-    route_.clear();
-    initial_work_ = 0;
     if (moving()) halt();
-    idle_until_ = time;
+    drop_route(time);
   }
   /// Takes a new route in place of what it has. An empty one leaves it without work: it then asks
   /// less and less often, as a plan is one for all, and disturbs them.
@@ -272,6 +271,11 @@ class Agent {
     note_views_in_vain(*belief_, space(), at, route_.front(), images_, most_images());
     route_.erase(route_.begin());
     phase_ = Phase::waiting;
+  }
+  /// And asks for another from `time` on.
+  void drop_route(double time) {
+    route_.clear();
+    idle_until_ = time;
   }
   void halt() {
     body_->stop();

@@ -22,6 +22,7 @@ inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
   tours.by_path = s.cluster_by_path;
   tours.asynchronous = true;
   tours.replan.utility_share = s.utility_share.value_or(s.printed_share);
+  tours.replan.as_printed = true;
   return tours;
 }
 /// With bounded clusters, and plans for all at once.
