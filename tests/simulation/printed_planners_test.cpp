@@ -73,6 +73,39 @@ TEST(an_obstacle_ahead_ends_a_printed_route_and_asks_for_another) {
   }
 }
 
+/// The incomplete elements, by height.
+std::vector<VoxelIndex> by_height(const SurfaceSituation& s) {
+  std::vector<VoxelIndex> open;
+  for (const IncompleteElement& e : s.goals) open.push_back(e.voxel);
+  std::stable_sort(open.begin(), open.end(),
+                   [](const VoxelIndex& a, const VoxelIndex& b) { return a.z() < b.z(); });
+  return open;
+}
+TEST(what_was_viewed_in_vain_is_not_complete_by_the_printed_utility) {
+  // Nine tenths of the elements are for a first stop, from which none is seen.
+  const auto route = [](const SurfaceSituation& s) {
+    const std::vector<VoxelIndex> open = by_height(s);
+    CHECK(open.size() >= 20);
+    const auto most = open.begin() + static_cast<std::ptrdiff_t>(open.size() * 9 / 10);
+    return Stops{{{Point3(-3.8, -1.0, 1.0), kPi}, {open.begin(), most}},
+                 {{Point3(-3.8, 0.0, 1.0), kPi}, {most, open.end()}}};
+  };
+  for (const bool printed : {true, false}) {
+    std::vector<Scripted::Question> asked;
+    fly(box_world::World{}, box_world::starts(1)[0], {{route}, printed, &asked});
+    CHECK(asked.size() >= 2 && asked[1].with_route == !printed);
+    CHECK(asked.size() >= 2 && (asked[1].at.y() > -0.1) == printed);
+  }
+}
+TEST(utility_is_checked_between_stops_of_a_printed_route) {
+  // All that the route is for is seen from its start, if that takes a while.
+  const auto route = [](const SurfaceSituation& s) {
+    return Stops{{{s.team[0].at.position + Eigen::Vector3d(0.0, 2.5, 0.0), 0.0}, by_height(s)}};
+  };
+  std::vector<Scripted::Question> asked;
+  const MissionResult r = fly(box_world::World{}, box_world::starts(1)[0], {{route}, true, &asked});
+  CHECK(asked.size() >= 2 && asked[1].at.y() > 1.4 && r.emergency_stops == 0);
+}
 TEST(printed_planners_are_flown_on_voxels_of_the_whole_weight) {
   box_world::World world;
   const MissionOptions o = box_world::options(world);

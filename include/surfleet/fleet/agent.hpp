@@ -21,6 +21,7 @@
 #include <surfleet/fleet/note_views_in_vain.hpp>
 #include <surfleet/fleet/path_around.hpp>
 #include <surfleet/fleet/robot_body.hpp>
+#include <surfleet/fleet/route_work.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
 #include <surfleet/fleet/watchful_view.hpp>
 #include <surfleet/geometry/teammate_mask.hpp>
@@ -149,7 +150,6 @@ class Agent {
     retired_ = reason;
     worked_ = endurance_.travelled();
     route_.clear();
-    initial_work_ = 0;
     replan_ = {};
     idle_until_ = 0.0;
     pause_ = kIdle;
@@ -174,7 +174,7 @@ class Agent {
             1e-6 &&
         std::abs(route.front().configuration.pitch - route_.front().configuration.pitch) < 1e-6;
     route_ = std::move(route);
-    initial_work_ = open_work();
+    work_ = RouteWork(route_, belief_->incomplete());
     replan_ = rule;
     if (!same) leave_goal();
     if (route_.empty())
@@ -250,15 +250,11 @@ class Agent {
            std::none_of(stop.targets.begin(), stop.targets.end(),
                         [&](const VoxelIndex& v) { return belief_->is_open(v); });
   }
-  std::size_t open_work() const {
-    std::size_t n = 0;
-    for (const Stop& s : route_)
-      for (const VoxelIndex& v : s.targets) n += belief_->incomplete().contains(v) ? 1 : 0;
-    return n;
-  }
   bool is_spent() const {
-    return initial_work_ > 0 && UtilityCheck{replan_.utility_share.value_or(
-                                    options_.utility_share)}(initial_work_, open_work());
+    const double share = replan_.utility_share.value_or(options_.utility_share);
+    if (!replan_.as_printed)
+      return work_.is_complete_or_behind(share, belief_->incomplete(), route_);
+    return phase_ == Phase::waiting && work_.is_complete(share, belief_->incomplete());
   }
   /// Images that a stop may take at the most.
   std::size_t most_images() const {
@@ -436,7 +432,7 @@ class Agent {
   SensorReading reading_;
   Phase phase_ = Phase::scanning;
   Stops route_;                   // what is left to do; the first stop is under way
-  std::size_t initial_work_ = 0;  // elements the route was made for
+  RouteWork work_ = RouteWork();  // what the route was made for
   ReplanRule replan_;             // of the plan that the route is from
   std::size_t quarters_ = 0;      // of the first turn all around, one at each pitch
   double idle_until_ = 0.0;       // no new request before [s]
