@@ -106,6 +106,19 @@ TEST(utility_is_checked_between_stops_of_a_printed_route) {
   const MissionResult r = fly(box_world::World{}, box_world::starts(1)[0], {{route}, true, &asked});
   CHECK(asked.size() >= 2 && asked[1].at.y() > 1.4 && r.emergency_stops == 0);
 }
+TEST(every_stop_of_a_printed_route_is_flown_to) {
+  for (const bool printed : {true, false}) {
+    std::vector<Scripted::Question> asked;
+    const MissionResult r =
+        fly(box_world::World{}, box_world::starts(1)[0],
+            {{[](const SurfaceSituation&) {
+               return Stops{{{Point3(-3.5, 0.5, 1.0), 0.0}, {VoxelIndex(0, 0, 90)}}};  // complete
+             }},
+             printed,
+             &asked});
+    CHECK((end_of(r).position.y() > 0.4) == printed);
+  }
+}
 TEST(printed_planners_are_flown_on_voxels_of_the_whole_weight) {
   box_world::World world;
   const MissionOptions o = box_world::options(world);

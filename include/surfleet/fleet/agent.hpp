@@ -246,7 +246,7 @@ class Agent {
 
   /// Nothing is left that the stop was for; one that is for nothing stays to be flown to.
   bool is_pointless(const Stop& stop) const {
-    return !stop.targets.empty() &&
+    return !replan_.as_printed && !stop.targets.empty() &&
            std::none_of(stop.targets.begin(), stop.targets.end(),
                         [&](const VoxelIndex& v) { return belief_->is_open(v); });
   }

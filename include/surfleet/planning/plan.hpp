@@ -83,9 +83,9 @@ struct ReplanRule {
   /// if not, they turn to the goal's heading as soon as it is no farther off than half a turn
   /// takes.
   bool watch_on = false;
-  /// Whether routes are followed as the low-level planner is printed [000 Alg. 1, 3]:
-  /// between stops, what is complete is a share of all that the route was made for, whatever was
-  /// visited; an obstacle ahead ends the route.
+  /// Whether routes are followed as the low-level planner is printed [000 Alg. 1, 3]: every stop is
+  /// flown to; between stops, what is complete is a share of all that the route was made for,
+  /// whatever was visited; an obstacle ahead ends the route.
   bool as_printed = false;
   /// Whether every robot is planned for anew whenever the map has changed.
   bool every_map = false;
