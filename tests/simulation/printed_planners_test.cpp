@@ -119,6 +119,23 @@ TEST(every_stop_of_a_printed_route_is_flown_to) {
     CHECK((end_of(r).position.y() > 0.4) == printed);
   }
 }
+TEST(robots_on_printed_routes_turn_to_their_goals_heading_alone) {
+  for (const bool printed : {true, false}) {
+    std::vector<Scripted::Question> asked;
+    const MissionResult r = fly(box_world::World{}, box_world::starts(1)[0],
+                                {{[](const SurfaceSituation&) {
+                                   return Stops{{{Point3(-3.5, 1.5, 1.0), -0.6}, {}}};
+                                 }},
+                                 printed,
+                                 &asked});
+    double farthest = 0.0;  // from the goal's heading, past the box, long after it set out
+    for (const TimedConfiguration& t : r.trajectories[0])
+      if (t.configuration.position.y() > 0.2)
+        farthest = std::max(farthest, std::abs(t.configuration.yaw + 0.6));
+    CHECK((farthest < 0.05) == printed);
+  }
+}
+
 TEST(printed_planners_are_flown_on_voxels_of_the_whole_weight) {
   box_world::World world;
   const MissionOptions o = box_world::options(world);

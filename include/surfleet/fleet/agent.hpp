@@ -34,7 +34,6 @@ namespace surfleet {
 struct AgentOptions {
   double image_period = 0.25;  ///< Between images, and the step of the agent's clock [s].
   double max_dwell = 10.0;     ///< Longest stay at a stop [s].
-  bool watchful = true;        ///< In flight, turn to what there is to see.
   double utility_share = 0.2;  ///< Share of a route's elements whose completion asks for a new
                                ///< plan, unless the planner says another: c_thres.
   EnduranceLimits endurance{};
@@ -241,7 +240,7 @@ class Agent {
     return body_->finished() && std::abs(body_->estimate().pitch - pitch) < kSamePitch;
   }
   /// Whether it turns to what there is to see in flight.
-  bool watches() const { return options_.watchful && !kind().sees_all_around(); }
+  bool watches() const { return !replan_.as_printed && !kind().sees_all_around(); }
   bool moving() const { return phase_ == Phase::flying || phase_ == Phase::aside; }
 
   /// Nothing is left that the stop was for; one that is for nothing stays to be flown to.

@@ -84,8 +84,8 @@ struct ReplanRule {
   /// takes.
   bool watch_on = false;
   /// Whether routes are followed as the low-level planner is printed [000 Alg. 1, 3]: every stop is
-  /// flown to; between stops, what is complete is a share of all that the route was made for,
-  /// whatever was visited; an obstacle ahead ends the route.
+  /// flown to, with the camera turned to its heading; between stops, what is complete is a share of
+  /// all that the route was made for, whatever was visited; an obstacle ahead ends the route.
   bool as_printed = false;
   /// Whether every robot is planned for anew whenever the map has changed.
   bool every_map = false;
