@@ -284,7 +284,7 @@ class InspectionOptions {
       app.add("--standoff", settings.standoff, "delta_pose, distance of a view [m]");
       app.add("--utility-share", settings.utility_share,
               "c_thres: share of a route's work whose completion asks for a new plan; default 0.2, "
-              "tsga 0.8 and 0.5 with --preset statue, nnb 0.1");
+              "tsga and nnb 0.8, with --preset statue 0.5");
       app.add("--max-views", settings.max_views, "views in vain before an element is given up");
       app.add("--merge-distance", settings.merge.distance,
               "epsilon: viewpoints this near are one, if they face alike [m] (all but surfleet and "

@@ -6,6 +6,7 @@
 #include <surfleet/fleet/fwd.hpp>
 
 #include <surfleet/fleet/agent.hpp>
+#include <surfleet/fleet/agent_options.hpp>
 #include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/central_planning.hpp>
 #include <surfleet/fleet/distributed_agent.hpp>

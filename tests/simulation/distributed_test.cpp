@@ -68,7 +68,8 @@ std::vector<Configuration> flown_alone(const MissionOptions& o, box_world::World
   std::vector<Configuration> fleet = box_world::starts(1), path = fleet;
   using Body = SimulatedDrone<box_world::World>;
   Body body(world, 0, fleet, o.kind.limits, o.neighbours);
-  const SurfaceBeliefOptions b = SurfaceBelief::checked(o.belief);
+  const AnyPlanner planner = make_planner("tsga", {.standoff = 2.0});
+  const SurfaceBeliefOptions b = SurfaceBelief::checked(belief_for(planner, o.belief));
   PatchRecorder recorder({.voxel_size = b.voxel_size}, *b.integrator);
   PatchFusion fusion({.voxel_size = b.voxel_size, .truncation = b.tsdf.truncation});
   SurfaceBelief belief(b, std::span<const RobotKind>(&o.kind, 1), &fusion.map());
@@ -76,7 +77,7 @@ std::vector<Configuration> flown_alone(const MissionOptions& o, box_world::World
   belief.update();
   std::array<std::unique_ptr<Agent<Body>>, 1> agents{
       std::make_unique<Agent<Body>>(0, 0, body, belief, o.agent)};
-  CentralPlanning<AnyPlanner> planning(make_planner("tsga", {.standoff = 2.0}));
+  CentralPlanning<AnyPlanner> planning(planner);
   for (int step = 0; step < 10000; ++step) {
     const double now = step * o.agent.image_period;
     Agent<Body>& agent = *agents[0];

@@ -16,12 +16,14 @@
 #include <utility>
 #include <vector>
 
+#include <surfleet/fleet/agent_options.hpp>
 #include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/endurance.hpp>
 #include <surfleet/fleet/note_views_in_vain.hpp>
 #include <surfleet/fleet/open_work.hpp>
 #include <surfleet/fleet/path_around.hpp>
 #include <surfleet/fleet/robot_body.hpp>
+#include <surfleet/fleet/route_work.hpp>
 #include <surfleet/fleet/silent_mates.hpp>
 #include <surfleet/fleet/stall_watch.hpp>
 #include <surfleet/fleet/watchful_view.hpp>
@@ -32,16 +34,6 @@
 #include <surfleet/planning/surface_belief.hpp>
 
 namespace surfleet {
-struct AgentOptions {
-  double image_period = 0.25;  ///< Between images, and the step of the agent's clock [s].
-  double max_dwell = 10.0;     ///< Longest stay at a stop [s].
-  bool watchful = true;        ///< In flight, turn to what there is to see.
-  double utility_share = 0.2;  ///< Share of a route's elements whose completion asks for a new
-                               ///< plan, unless the planner says another: c_thres.
-  EnduranceLimits endurance{};
-  std::optional<Configuration> home{};  ///< Where it goes back to; nothing: where it starts.
-};
-
 /// Carries out the routes of one robot on what is believed [000 §2.5.3, 3.5.2, Alg. 1, 3].
 ///
 /// A route is a list of stops; the first is under way. Which part owns the belief and calls the
@@ -131,11 +123,12 @@ class Agent {
       if (++images_ >= std::min(needed, most_images())) leave_stop();
     }
     if (!moving()) return;
-    if (phase_ == Phase::flying && is_pointless(*belief_, route_.front())) {
+    if (phase_ == Phase::flying && is_pointless(route_.front())) {
       leave_goal();
     } else if (obstacle_ahead_(space().free, body_->remaining(), body_->stopping_distance())) {
       ++emergency_stops_;
       halt();
+      if (replan_.as_printed) drop_route(0.0);
     }
   }
 
@@ -145,7 +138,6 @@ class Agent {
     if (!retired_) worked_ = endurance_.travelled();
     retired_ = reason;
     route_.clear();
-    initial_work_ = 0;
     replan_ = {};
     idle_until_ = 0.0;
     pause_ = kIdle;
@@ -155,10 +147,8 @@ class Agent {
   // -- planning ----------------------------------------------------------------------------------
   /// Leaves what it was about to do to other robots, and asks for other work at once.
   void give_up_to_others(double time) {
-    route_.clear();
-    initial_work_ = 0;
     if (moving()) halt();
-    idle_until_ = time;
+    drop_route(time);
   }
   /// Takes a new route in place of what it has. An empty one leaves it without work: it then asks
   /// less and less often, as a plan is one for all, and disturbs them.
@@ -167,7 +157,7 @@ class Agent {
     const bool same = !route.empty() && !route_.empty() && phase_ != Phase::waiting &&
                       nearly_equal(route.front().configuration, route_.front().configuration);
     route_ = std::move(route);
-    initial_work_ = open_work(*belief_, route_);
+    work_ = RouteWork(route_, belief_->incomplete());
     replan_ = rule;
     if (!same) leave_goal();
     if (route_.empty())
@@ -235,13 +225,17 @@ class Agent {
     return body_->finished() && std::abs(body_->estimate().pitch - pitch) < kSamePitch;
   }
   /// Whether it turns to what there is to see in flight.
-  bool watches() const { return options_.watchful && !kind().sees_all_around(); }
+  bool watches() const { return !replan_.as_printed && !kind().sees_all_around(); }
   bool moving() const { return phase_ == Phase::flying || phase_ == Phase::aside; }
 
+  bool is_pointless(const Stop& stop) const {
+    return !replan_.as_printed && surfleet::is_pointless(*belief_, stop);
+  }
   bool is_spent() const {
-    return initial_work_ > 0 &&
-           UtilityCheck{replan_.utility_share.value_or(options_.utility_share)}(
-               initial_work_, open_work(*belief_, route_));
+    const double share = replan_.utility_share.value_or(options_.utility_share);
+    if (!replan_.as_printed)
+      return work_.is_complete_or_behind(share, belief_->incomplete(), route_);
+    return phase_ == Phase::waiting && work_.is_complete(share, belief_->incomplete());
   }
   /// Images that a stop may take at the most.
   std::size_t most_images() const {
@@ -255,6 +249,11 @@ class Agent {
     route_.erase(route_.begin());
     stalls_.arrives();
     phase_ = Phase::waiting;
+  }
+  /// And asks for another from `time` on.
+  void drop_route(double time) {
+    route_.clear();
+    idle_until_ = time;
   }
   void halt() {
     body_->stop();
@@ -276,7 +275,7 @@ class Agent {
     bool too_far = false;
     while (!route_.empty()) {
       const Stop& stop = route_.front();
-      if (is_pointless(*belief_, stop)) {
+      if (is_pointless(stop)) {
         route_.erase(route_.begin());
         continue;
       }
@@ -320,7 +319,7 @@ class Agent {
   /// Whether the robot, under way to a goal that is none any more, could turn to its next stop.
   bool turns(double time) {
     if (body_->braking()) return false;
-    while (!route_.empty() && is_pointless(*belief_, route_.front())) route_.erase(route_.begin());
+    while (!route_.empty() && is_pointless(route_.front())) route_.erase(route_.begin());
     if (route_.empty()) return false;
     const auto path = path_to(route_.front().configuration.position);
     if (!path || retired_ || !affords(*path, time)) return false;
@@ -431,7 +430,7 @@ class Agent {
   SensorReading reading_;
   Phase phase_ = Phase::scanning;
   Stops route_;                   // what is left to do; the first stop is under way
-  std::size_t initial_work_ = 0;  // elements the route was made for
+  RouteWork work_ = RouteWork();  // what the route was made for
   ReplanRule replan_;             // of the plan that the route is from
   std::size_t quarters_ = 0;      // of the first turn all around, one at each pitch
   double idle_until_ = 0.0;       // no new request before [s]

@@ -24,7 +24,7 @@ class CentralPlanning {
   /// ascending id. Nothing while any robot still turns for its first views.
   template <typename Agents>
   void operator()(Agents& agents, const SurfaceBelief& belief, double time) {
-    bool ask = all_at_rest(agents);
+    bool ask = all_at_rest(agents) || requests.is_due(belief);
     for (const auto& a : agents) {
       if (a->scanning()) return;
       ask = ask || a->asks(time);
@@ -51,9 +51,10 @@ class CentralPlanning {
     std::vector<RobotState> team;
     std::vector<RobotId> asked;
     std::size_t departures = 0;
+    const bool all = requests.is_due(belief);
     for (const auto& a : agents) {
       team.push_back(a->state(time));
-      if (a->is_free()) asked.push_back(team.back().id);
+      if (a->is_free() || (all && !a->stop_reason())) asked.push_back(team.back().id);
       departures += a->departures();
     }
     Plan plan = requests(belief, asked, team, departures, all_at_rest(agents), time);

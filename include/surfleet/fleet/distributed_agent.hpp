@@ -42,8 +42,9 @@ class DistributedAgent {
   DistributedAgent(RobotId id, const RobotKind& kind, Body& body, SurfaceBeliefOptions belief,
                    AgentOptions agent, double start_clearance, Planner planner,
                    DistributedAgentOptions options = {}, Packer packer = {})
-      : DistributedAgent(Checked{SurfaceBelief::checked(std::move(belief))}, id, kind, body, agent,
-                         start_clearance, std::move(planner), options, std::move(packer)) {}
+      : DistributedAgent(Checked{SurfaceBelief::checked(belief_for(planner, std::move(belief)))},
+                         id, kind, body, agent, start_clearance, std::move(planner), options,
+                         std::move(packer)) {}
   DistributedAgent(const DistributedAgent&) = delete;
   DistributedAgent& operator=(const DistributedAgent&) = delete;
 
@@ -52,7 +53,7 @@ class DistributedAgent {
     SurfaceBeliefOptions belief;
   };
   DistributedAgent(const Checked& checked, RobotId id, const RobotKind& kind, Body& body,
-                   AgentOptions agent, double start_clearance, Planner planner,
+                   AgentOptions agent, double start_clearance, Planner&& planner,
                    const DistributedAgentOptions& options, Packer packer)
       : id_(id),
         kind_(kind_number(kind)),
@@ -226,7 +227,7 @@ class DistributedAgent {
       agent_.give_up_to_others(now_);
     }
     const bool at_rest = agent_.at_rest();
-    if (!agent_.asks(now_) && !(at_rest && finds_news())) return;
+    if (!agent_.asks(now_) && !requests_.is_due(belief_) && !(at_rest && finds_news())) return;
     std::vector<RobotState> team = team_;
     team.push_back(agent_.state(now_));
     std::sort(team.begin(), team.end(),

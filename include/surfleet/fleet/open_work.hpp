@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <span>
 
 #include <surfleet/core/types.hpp>
 #include <surfleet/planning/plan.hpp>
@@ -24,13 +23,6 @@ inline bool is_pointless(const SurfaceBelief& belief, const Stop& stop) {
   return !stop.targets.empty() &&
          std::none_of(stop.targets.begin(), stop.targets.end(),
                       [&](const VoxelIndex& v) { return belief.is_open(v); });
-}
-/// Targets of a route that are incomplete.
-inline std::size_t open_work(const SurfaceBelief& belief, std::span<const Stop> route) {
-  std::size_t n = 0;
-  for (const Stop& s : route)
-    for (const VoxelIndex& v : s.targets) n += belief.incomplete().contains(v) ? 1 : 0;
-  return n;
 }
 /// Images that a stop's incomplete targets want, seen from `eye`; 0 if it has none.
 inline std::size_t images_needed(const SurfaceBelief& belief, const Point3& eye, const Stop& stop) {

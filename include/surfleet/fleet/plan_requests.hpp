@@ -50,6 +50,7 @@ class PlanRequests {
     leave_out_what_does_not_pay(situation, plan);
     if (on_plan) on_plan(situation, plan);
     planned_revision_ = belief.known().grid().revision();
+    every_map_ = plan.replan.every_map;
     nothing_planned_ = plan.nothing();
     impossible_ = std::move(plan.impossible);
     return plan;
@@ -58,6 +59,8 @@ class PlanRequests {
   bool up_to_date(const SurfaceBelief& belief) const {
     return planned_revision_ == belief.known().grid().revision();
   }
+  /// Whether all are to be planned for, as the map is another than that of the last plan.
+  bool is_due(const SurfaceBelief& belief) const { return every_map_ && !up_to_date(belief); }
   /// Whether, of this very map, it found nothing, or time after time nothing that can be reached.
   bool exhausted(const SurfaceBelief& belief) const {
     return up_to_date(belief) &&
@@ -107,7 +110,7 @@ class PlanRequests {
   std::optional<Yield> left_out_;
   std::vector<std::pair<VoxelIndex, LeftReason>> impossible_;
   std::uint64_t planned_revision_ = ~std::uint64_t{0};
-  bool nothing_planned_ = false;
+  bool nothing_planned_ = false, every_map_ = false;
   int vain_plans_ = 0;  // made with all at rest, since a robot last set out
   std::size_t departures_ = 0, plans_ = 0;
   double planning_time_ = 0.0;

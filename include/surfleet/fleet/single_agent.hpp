@@ -26,7 +26,7 @@ class SingleAgent {
   /// Throws `Error` on options out of range.
   SingleAgent(Body& body, const RobotKind& kind, SurfaceBeliefOptions belief, Planner planner,
               double start_clearance, AgentOptions options = {})
-      : belief_(std::move(belief), std::span<const RobotKind>(&kind, 1)),
+      : belief_(belief_for(planner, std::move(belief)), std::span<const RobotKind>(&kind, 1)),
         planning_(std::move(planner)) {
     belief_.add_known_free(0, {body.estimate().position, start_clearance});
     belief_.update();

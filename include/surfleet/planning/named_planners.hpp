@@ -27,9 +27,6 @@ struct NamedPlanner {
   /// the camera's range [m²/m per m].
   double enough = 0.0;
   bool chooses_pitch = false;  ///< Of a gimbal, with the heading.
-
-  /// `SurfaceBeliefOptions::observed_share` that it is flown with.
-  double observed_share() const { return as_printed ? 1.0 : 0.15; }
 };
 
 /// The first is the library's own.

@@ -83,6 +83,12 @@ struct ReplanRule {
   /// if not, they turn to the goal's heading as soon as it is no farther off than half a turn
   /// takes.
   bool watch_on = false;
+  /// Whether routes are followed as the low-level planner is printed [000 Alg. 1, 3]: every stop is
+  /// flown to, with the camera turned to its heading; between stops, what is complete is a share of
+  /// all that the route was made for, whatever was visited; an obstacle ahead ends the route.
+  bool as_printed = false;
+  /// Whether every robot is planned for anew whenever the map has changed.
+  bool every_map = false;
 };
 
 /// What a flight is expected to bring.
@@ -147,6 +153,31 @@ Plan ask(P& planner, const SurfaceSituation& situation) {
 }
 
 /// Any copyable planner behind one type, so that what takes a planner is compiled once.
-using AnyPlanner = std::function<Plan(const SurfaceSituation&)>;
+class AnyPlanner {
+ public:
+  /// `SurfaceBeliefOptions::observed_share` of the belief it is flown with, whatever the mission
+  /// says; nothing: as that says.
+  std::optional<double> observed_share;
+
+  AnyPlanner() = default;  ///< None.
+  template <typename P>
+  requires(!std::same_as<P, AnyPlanner> && FleetPlanner<P>)
+      AnyPlanner(P planner)  // NOLINT(google-explicit-constructor): takes the place of any of them
+      : plan_(std::move(planner)) {}
+
+  explicit operator bool() const { return plan_ != nullptr; }
+  Plan operator()(const SurfaceSituation& situation) { return plan_(situation); }
+
+ private:
+  std::function<Plan(const SurfaceSituation&)> plan_;
+};
 static_assert(FleetPlanner<AnyPlanner>);
+
+/// The belief's options with what the planner asks of it.
+template <FleetPlanner P>
+SurfaceBeliefOptions belief_for(const P& planner, SurfaceBeliefOptions options) {
+  if constexpr (requires { planner.observed_share; })
+    options.observed_share = planner.observed_share.value_or(options.observed_share);
+  return options;
+}
 }  // namespace surfleet

@@ -50,7 +50,7 @@ class Simulation {
   /// Throws `Error` on options out of range, no robots, no planner, or starts outside the bounds.
   Simulation(MissionOptions options, World& world, std::span<const Configuration> starts,
              Planner planner = {})
-      : options_(checked(std::move(options), starts)),
+      : options_(checked(std::move(options), starts, planner)),
         belief_(
             options_.belief, std::span<const RobotKind>(&options_.kind, 1),
             options_.begun ? *options_.begun : TsdfMap({.voxel_size = options_.belief.voxel_size})),
@@ -60,8 +60,7 @@ class Simulation {
         goal_(options_.limits.coverage_goal),
         record_(starts.size()) {
     if constexpr (std::is_same_v<Planner, AnyPlanner>)
-      require(planning_.requests.planner != nullptr,
-              "planner: expected one, not an empty function");
+      require(static_cast<bool>(planning_.requests.planner), "planner: expected one, not none");
     planning_.requests.least_gain = options_.limits.least_gain;
     options_.agent.endurance = options_.limits.endurance;
     for (std::size_t r = 0; r < fleet_.size(); ++r) {
@@ -127,8 +126,10 @@ class Simulation {
   using Body = SimulatedDrone<World>;
   static constexpr std::uint64_t kPoseBytes = 7 * sizeof(double);  // position and quaternion
 
-  static MissionOptions checked(MissionOptions o, std::span<const Configuration> starts) {
+  static MissionOptions checked(MissionOptions o, std::span<const Configuration> starts,
+                                const Planner& planner) {
     check_mission(o, starts);
+    o.belief = belief_for(planner, std::move(o.belief));
     o.belief.tsdf.threads = o.threads;
     return o;
   }

@@ -15,9 +15,6 @@
 
 namespace surfleet {
 namespace detail {
-/// By which an update of the map is told, at every one of which NNB chooses [000 §3.6.1].
-inline constexpr double kMapUpdate = 0.1;
-
 inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
   TourPlannerOptions tours;
   tours.distance = s.standoff;
@@ -25,13 +22,17 @@ inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
   tours.by_path = s.cluster_by_path;
   tours.asynchronous = true;
   tours.replan.utility_share = s.utility_share.value_or(s.printed_share);
+  tours.replan.as_printed = true;
   return tours;
 }
 /// With bounded clusters, and plans for all at once.
 inline TourPlannerOptions own_tours(const PlannerSettings& s) {
-  TourPlannerOptions tours = printed_tours(s);
-  tours.clusters.max_extent = 2.0 * s.cluster_max_radius;
-  tours.asynchronous = false;
+  TourPlannerOptions tours;
+  tours.distance = s.standoff;
+  tours.clusters = {.radius = s.cluster_radius,
+                    .max_radius = s.cluster_max_radius,
+                    .max_extent = 2.0 * s.cluster_max_radius};
+  tours.by_path = s.cluster_by_path;
   tours.replan.utility_share = s.utility_share;
   return tours;
 }
@@ -52,9 +53,12 @@ SURFLEET_INLINE AnyPlanner make_planner(std::string_view name, const PlannerSett
     if constexpr (requires { planner.select.merge; }) planner.select.merge = settings.merge;
     planner.utility = {.lambda_tc = settings.lambda_tc, .lambda_ic = settings.lambda_ic};
     planner.gain.ends_at_unknown = named.as_printed;
-    if (named.as_printed) return AnyPlanner(std::move(planner));
-    return AnyPlanner(
-        WithFrontierViews(std::move(planner), FrontierViewsOptions{.distance = settings.standoff}));
+    if (!named.as_printed)
+      return AnyPlanner(WithFrontierViews(std::move(planner),
+                                          FrontierViewsOptions{.distance = settings.standoff}));
+    AnyPlanner printed(std::move(planner));
+    printed.observed_share = 1.0;
+    return printed;
   };
   if (name == "surfleet") return default_planner(settings);
   if (name == "tsga") return made(TsgaPlanner(detail::printed_tours(settings)));
@@ -62,7 +66,7 @@ SURFLEET_INLINE AnyPlanner make_planner(std::string_view name, const PlannerSett
     // Every robot chooses for itself, and two may choose the same cluster.
     TourPlannerOptions tours = detail::printed_tours(settings);
     tours.exclusive = false;
-    tours.replan.utility_share = settings.utility_share.value_or(detail::kMapUpdate);
+    tours.replan.every_map = true;
     NnbPlanner planner(tours);
     planner.allocate.rule.exclusive = false;
     return made(std::move(planner));
