@@ -18,10 +18,8 @@
 namespace surfleet {
 struct NamedPlanner {
   std::string_view name;
-  /// Whether it is a published planner just as it is printed: clusters without a greatest extent,
-  /// views whose rays end at the first voxel that is not empty, flight and sight through voxels of
-  /// the whole weight W_th only, a new plan where c_thres of one is complete, and no views that
-  /// open space where it is stuck [000 Alg. 1–4].
+  /// Whether it is a published planner just as it is printed [000 Alg. 1–4], line by line as in
+  /// docs/planner.md.
   bool as_printed = false;
   /// Where missions by it end if nothing else is said: at routes that gain less for a metre, over
   /// the camera's range [m²/m per m].
