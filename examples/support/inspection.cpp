@@ -186,7 +186,7 @@ MissionOptions mission_options(const InspectionSettings& s, const InspectionSite
         std::max(kind.bounds.min().z(), site.scene.ground_z + s.depth() + s.margin);
   o.belief.voxel_size = s.voxel;
   o.belief.known_weight = s.known_weight;
-  o.belief.tsdf.truncation = s.truncation.value_or(3.0 * s.voxel);
+  o.belief.truncation = s.truncation;
   o.belief.integrator = s.integrator();
   o.belief.ledger.max_views = s.max_views;
   o.belief.region = site.scene.region;

@@ -58,13 +58,14 @@ TEST(images_needed_are_those_that_the_integrators_weight_takes) {
 TEST(a_belief_integrates_by_its_own_settings) {
   const SurfaceBeliefOptions o =
       SurfaceBelief::checked({.voxel_size = 0.25,
-                              .tsdf = {.truncation = 0.5, .threads = 3},
+                              .truncation = 0.5,
+                              .tsdf = {.truncation = 8.0, .threads = 3},
                               .integrator = TsdfIntegrator({.truncation = 9.0}, ConstantWeight{}),
                               .region = {}});
   CHECK(o.integrator->options.truncation == 0.5 && o.integrator->options.threads == 3);
-  const SurfaceBeliefOptions plain =
-      SurfaceBelief::checked({.voxel_size = 0.25, .tsdf = {.truncation = 0.0}, .region = {}});
+  const SurfaceBeliefOptions plain = SurfaceBelief::checked({.voxel_size = 0.25, .region = {}});
   CHECK(plain.integrator->options.truncation == 0.75);
+  CHECK_THROWS(Error, SurfaceBelief::checked({.truncation = 0.0, .region = {}}));
   CHECK(plain.integrator->weight(-0.1, 4.0) == 1.0 / 16.0);
   CHECK(plain.integrator->weight(-0.375, 4.0) == 0.0);
   // A rule without weight never makes anything known; that is no reason to take images for ever.

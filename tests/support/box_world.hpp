@@ -63,7 +63,7 @@ inline surfleet::MissionOptions options(const World& world) {
   surfleet::MissionOptions o;
   o.kind.camera = world.camera;
   o.belief.voxel_size = 0.2;
-  o.belief.tsdf.truncation = 0.6;
+  o.belief.truncation = 0.6;
   o.kind.body_radius = 0.4;
   o.start_clearance = 1.9;  // as far as it takes until the image is as high as the body
   o.kind.limits.speed = 1.0;

@@ -33,7 +33,8 @@ struct SurfaceBeliefOptions {
   double voxel_size = 0.3;       ///< [m]
   double known_weight = 0.3;     ///< W_th: a voxel of at least this weight is known.
   double observed_share = 0.15;  ///< Share of W_th from which a voxel serves flight and sight.
-  TsdfOptions tsdf{};            ///< A truncation of 0 stands for three voxels.
+  std::optional<double> truncation{};  ///< µ in place of that in `tsdf` [m]; nothing: three voxels.
+  TsdfOptions tsdf{};
   /// Folds what is seen into the map, with the options above in place of its own; nothing: the
   /// projective one, whose weight 1/z² drops off behind the surface (`drop_off_by_voxels`).
   std::optional<AnyIntegrator> integrator{};
@@ -84,13 +85,15 @@ class SurfaceBelief {
   SurfaceBelief(const SurfaceBelief&) = delete;
   SurfaceBelief& operator=(const SurfaceBelief&) = delete;
 
-  /// The options with what 0 and nothing stand for. Throws `Error` on those out of range.
+  /// The options with what nothing stands for. Throws `Error` on those out of range.
   static SurfaceBeliefOptions checked(SurfaceBeliefOptions o) {
     require(o.voxel_size > 0.0 && std::isfinite(o.voxel_size),
             "voxel size: expected a positive length");
     require(o.known_weight > 0.0 && o.observed_share > 0.0 && o.observed_share <= 1.0,
             "known weight: expected a positive weight and a share in (0, 1]");
-    if (o.tsdf.truncation <= 0.0) o.tsdf.truncation = 3.0 * o.voxel_size;
+    o.tsdf.truncation = o.truncation.value_or(3.0 * o.voxel_size);
+    require(o.tsdf.truncation > 0.0 && std::isfinite(o.tsdf.truncation),
+            "truncation: expected a positive length");
     if (!o.integrator) o.integrator = TsdfIntegrator(o.tsdf, drop_off_by_voxels(o.voxel_size));
     o.integrator->options = o.tsdf;
     return o;
