@@ -155,6 +155,7 @@ TEST(a_charge_in_seconds_pays_for_waiting_and_one_in_use_goes_on) {
   used.update(hall.space.roadmap, 0);
   CHECK(used.travelled() == 20.0 && used.must_return(0.0, hall.space.roadmap));
 }
+static_assert(MeasuredBody<SimulatedDrone<box_world::World>>);
 TEST(who_takes_a_body_over_knows_what_that_has_flown) {
   box_world::World world;
   const MissionOptions o = box_world::options(world);

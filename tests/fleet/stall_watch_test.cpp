@@ -56,7 +56,7 @@ struct FailingDrone : SimulatedDrone<box_world::World> {
     if (!failed()) SimulatedDrone::advance(dt);
   }
 };
-static_assert(RobotBody<FailingDrone>);
+static_assert(RobotBody<FailingDrone> && MeasuredBody<FailingDrone>);
 
 struct Outcome {
   bool finished = false;
