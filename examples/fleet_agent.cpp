@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -148,7 +149,8 @@ std::size_t mates_there(const DdsTeam& team, const TeamAgreement& ours) {
   return mates.size();
 }
 /// Waits for the team; how long it took to find all [s], or nothing if some are missing.
-std::optional<double> meet(const DdsTeam& team, const TeamAgreement& ours, double patience) {
+std::optional<double> meet(const DdsTeam& team, const TeamAgreement& ours, double patience,
+                           const std::function<void()>& while_waiting) {
   constexpr double kMoment = 1.0;  // more, for those that should not be there
   const auto start = Clock::now();
   std::optional<double> found;
@@ -156,6 +158,7 @@ std::optional<double> meet(const DdsTeam& team, const TeamAgreement& ours, doubl
     const double waited = seconds_since(start);
     if (mates_there(team, ours) + 1 >= ours.robots && !found) found = waited;
     if (waited >= (found ? *found + kMoment : patience) || cli::interrupted()) return found;
+    while_waiting();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
@@ -173,16 +176,18 @@ class FlyingAgent {
   using Body = SimulatedDrone<AnyWorld>;
 
   FlyingAgent(const Arguments& a, const InspectionSite& site, const InspectionInputs& inputs,
-              std::shared_ptr<DdsTeam> team, const TeamAgreement& agreed, const SpentCharge& spent)
+              std::shared_ptr<DdsTeam> team, const TeamAgreement& agreed,
+              const EarlierFlight& earlier)
       : id_(a.robot()),
         options_(mission_options(a.settings, site)),
         world_(site.world(a.settings)),
         lidar_world_(a.settings.has_lidar() ? std::optional(site.lidar_world(a.settings))
                                             : std::nullopt),
         any_world_(lidar_world_ ? AnyWorld(*lidar_world_) : AnyWorld(world_)),
-        fleet_(places(a, site)),
+        home_(site.starts(a.settings, a.settings.robots)[id_]),
+        fleet_(places(a, earlier)),
         body_(any_world_, id_, fleet_, options_.kind.limits, options_.neighbours),
-        robot_(id_, options_.kind, body_, options_.belief, agent_options(spent),
+        robot_(id_, options_.kind, body_, options_.belief, agent_options(earlier),
                options_.start_clearance,
                make_planner(a.settings.planner, a.settings.planner_settings()),
                limited(distributed(inputs.distributed.agent, agreed), options_.limits),
@@ -199,6 +204,8 @@ class FlyingAgent {
   FlyingAgent(const FlyingAgent&) = delete;
   FlyingAgent& operator=(const FlyingAgent&) = delete;
 
+  /// Its body can be seen before it is of the team.
+  void hover() { bodies_.tell(at()); }
   /// A step of the mission's clock; false at its end.
   bool step(double now) {
     for (const auto& [robot, at] : bodies_.others())
@@ -258,10 +265,12 @@ class FlyingAgent {
 
  private:
   /// Its own start, and others far from everything until they tell of themselves.
-  std::vector<Configuration> places(const Arguments& a, const InspectionSite& site) const {
-    std::vector<Configuration> all = site.starts(a.settings, a.settings.robots);
+  /// Its own body where it was left, if it was; others' are nowhere until they tell.
+  std::vector<Configuration> places(const Arguments& a, const EarlierFlight& earlier) const {
+    std::vector<Configuration> all(static_cast<std::size_t>(a.settings.robots));
     for (std::size_t r = 0; r < all.size(); ++r)
-      if (r != id_) all[r].position = Point3::Constant(-1e6 - 1e3 * static_cast<double>(r));
+      all[r].position = Point3::Constant(-1e6 - 1e3 * static_cast<double>(r));
+    all[id_] = earlier.hovers_at.value_or(home_);
     return all;
   }
   void note_idleness(double now) {
@@ -272,11 +281,12 @@ class FlyingAgent {
     idle_until_ = now;
   }
   /// One whose charge is spent goes home at once.
-  AgentOptions agent_options(const SpentCharge& spent) {
+  AgentOptions agent_options(const EarlierFlight& earlier) {
     constexpr double kNothing = 1e-6;
     EnduranceLimits& left = options_.agent.endurance = options_.limits.endurance;
-    if (left.distance) left.distance = std::max(kNothing, *left.distance - spent.distance);
-    if (left.time) left.time = std::max(kNothing, *left.time - spent.time);
+    if (left.distance) left.distance = std::max(kNothing, *left.distance - earlier.distance);
+    if (left.time) left.time = std::max(kNothing, *left.time - earlier.time);
+    options_.agent.home = home_;
     return options_.agent;
   }
   static DistributedAgentOptions distributed(DistributedAgentOptions o,
@@ -297,6 +307,7 @@ class FlyingAgent {
   DroneWorld<EmbreeRayCaster> world_;
   std::optional<LidarWorld<EmbreeRayCaster>> lidar_world_;
   AnyWorld any_world_;
+  Configuration home_;
   std::vector<Configuration> fleet_;  // the truth
   Body body_;
   DistributedAgent<Body> robot_;
@@ -378,11 +389,11 @@ int fly(const Arguments& a) {
                             .note = agreed.note(),
                             .security = a.security,
                             .lost_packets = a.lost_packets});
-  const SpentCharge spent = spent_before(a.out, a.id);
+  const EarlierFlight earlier = flown_before(a.out, a.id);
   FlyingAgent agent(a, site, inputs, team, agreed,
-                    spent);  // with keys, silent robots are not found
+                    earlier);  // with keys, silent robots are not found
   cli::watch_interrupts();
-  const std::optional<double> found = meet(*team, agreed, a.join);
+  const std::optional<double> found = meet(*team, agreed, a.join, [&] { agent.hover(); });
   const auto out = cli::prepare_output_folder(a.out);
   TrajectoryLog path(out);
   write_file(out / "agent.json", nlohmann::json{{"id", a.id},
@@ -417,8 +428,8 @@ int fly(const Arguments& a) {
   write_results(out, a, site, agent,
                 {{"wall_time_s", seconds_since(started)},
                  {"late_steps", pace.late()},
-                 {"spent_before_m", spent.distance},
-                 {"spent_before_s", spent.time},
+                 {"spent_before_m", earlier.distance},
+                 {"spent_before_s", earlier.time},
                  {"found_team_s", found ? nlohmann::json(*found) : nlohmann::json()}});
   const MissionResult& m = agent.result();
   std::printf("robot %d: %s, path %.1f m, time %.0f s, %zu incomplete elements left\n", a.id,
