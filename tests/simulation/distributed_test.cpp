@@ -154,7 +154,7 @@ TEST(a_robot_without_work_asks_now_and_then_while_others_work) {
   DistributedSimulation<box_world::World> simulation(
       box_world::options(world), {}, world, box_world::starts(2), [&](RobotId id) -> AnyPlanner {
         if (id == 1) return FindsNothing{&asked};
-        return make_planner("tsga", {.standoff = 2.0});
+        return make_planner("surfleet", {.standoff = 2.0});
       });
   const DistributedResult r = simulation.run();
   CHECK(r.mission.complete && r.maps_equal && r.mission.coverage.share() > 0.9);
@@ -254,7 +254,7 @@ TEST(a_liar_ends_no_mission_and_is_counted) {
     MapPatch p;
     p.id.key = key;
     p.voxel_size = o.belief.voxel_size;
-    p.truncation = o.belief.tsdf.truncation;
+    p.truncation = SurfaceBelief::checked(o.belief).tsdf.truncation;
     p.images = 1;
     for (int i = 0; i < blocks; ++i) {
       PatchBlock b;
