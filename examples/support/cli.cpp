@@ -102,7 +102,7 @@ namespace {
 /// TOML as the parser reads it, but that a # in quotes begins no comment.
 class SettingsFile : public CLI::ConfigTOML {
  public:
-  SettingsFile() { comment('\0'); }
+  SettingsFile() { comment('\n'); }  // which begins no line
   std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
     std::stringstream bare;
     for (std::string line; std::getline(input, line);) {
