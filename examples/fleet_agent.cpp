@@ -176,18 +176,16 @@ class FlyingAgent {
   using Body = SimulatedDrone<AnyWorld>;
 
   FlyingAgent(const Arguments& a, const InspectionSite& site, const InspectionInputs& inputs,
-              std::shared_ptr<DdsTeam> team, const TeamAgreement& agreed,
-              const EarlierFlight& earlier)
+              std::shared_ptr<DdsTeam> team, const TeamAgreement& agreed, const SpentCharge& spent)
       : id_(a.robot()),
         options_(mission_options(a.settings, site)),
         world_(site.world(a.settings)),
         lidar_world_(a.settings.has_lidar() ? std::optional(site.lidar_world(a.settings))
                                             : std::nullopt),
         any_world_(lidar_world_ ? AnyWorld(*lidar_world_) : AnyWorld(world_)),
-        home_(site.starts(a.settings, a.settings.robots)[id_]),
-        fleet_(places(a, earlier)),
+        fleet_(places(a, site)),
         body_(any_world_, id_, fleet_, options_.kind.limits, options_.neighbours),
-        robot_(id_, options_.kind, body_, options_.belief, agent_options(earlier),
+        robot_(id_, options_.kind, body_, options_.belief, agent_options(spent),
                options_.start_clearance,
                make_planner(a.settings.planner, a.settings.planner_settings()),
                limited(distributed(inputs.distributed.agent, agreed), options_.limits),
@@ -265,12 +263,10 @@ class FlyingAgent {
 
  private:
   /// Its own start, and others far from everything until they tell of themselves.
-  /// Its own body where it was left, if it was; others' are nowhere until they tell.
-  std::vector<Configuration> places(const Arguments& a, const EarlierFlight& earlier) const {
-    std::vector<Configuration> all(static_cast<std::size_t>(a.settings.robots));
+  std::vector<Configuration> places(const Arguments& a, const InspectionSite& site) const {
+    std::vector<Configuration> all = site.starts(a.settings, a.settings.robots);
     for (std::size_t r = 0; r < all.size(); ++r)
-      all[r].position = Point3::Constant(-1e6 - 1e3 * static_cast<double>(r));
-    all[id_] = earlier.hovers_at.value_or(home_);
+      if (r != id_) all[r].position = Point3::Constant(-1e6 - 1e3 * static_cast<double>(r));
     return all;
   }
   void note_idleness(double now) {
@@ -281,12 +277,11 @@ class FlyingAgent {
     idle_until_ = now;
   }
   /// One whose charge is spent goes home at once.
-  AgentOptions agent_options(const EarlierFlight& earlier) {
+  AgentOptions agent_options(const SpentCharge& spent) {
     constexpr double kNothing = 1e-6;
     EnduranceLimits& left = options_.agent.endurance = options_.limits.endurance;
-    if (left.distance) left.distance = std::max(kNothing, *left.distance - earlier.distance);
-    if (left.time) left.time = std::max(kNothing, *left.time - earlier.time);
-    options_.agent.home = home_;
+    if (left.distance) left.distance = std::max(kNothing, *left.distance - spent.distance);
+    if (left.time) left.time = std::max(kNothing, *left.time - spent.time);
     return options_.agent;
   }
   static DistributedAgentOptions distributed(DistributedAgentOptions o,
@@ -307,7 +302,6 @@ class FlyingAgent {
   DroneWorld<EmbreeRayCaster> world_;
   std::optional<LidarWorld<EmbreeRayCaster>> lidar_world_;
   AnyWorld any_world_;
-  Configuration home_;
   std::vector<Configuration> fleet_;  // the truth
   Body body_;
   DistributedAgent<Body> robot_;
@@ -389,9 +383,9 @@ int fly(const Arguments& a) {
                             .note = agreed.note(),
                             .security = a.security,
                             .lost_packets = a.lost_packets});
-  const EarlierFlight earlier = flown_before(a.out, a.id);
+  const SpentCharge spent = spent_before(a.out, a.id);
   FlyingAgent agent(a, site, inputs, team, agreed,
-                    earlier);  // with keys, silent robots are not found
+                    spent);  // with keys, silent robots are not found
   cli::watch_interrupts();
   const std::optional<double> found = meet(*team, agreed, a.join, [&] { agent.hover(); });
   const auto out = cli::prepare_output_folder(a.out);
@@ -428,8 +422,8 @@ int fly(const Arguments& a) {
   write_results(out, a, site, agent,
                 {{"wall_time_s", seconds_since(started)},
                  {"late_steps", pace.late()},
-                 {"spent_before_m", earlier.distance},
-                 {"spent_before_s", earlier.time},
+                 {"spent_before_m", spent.distance},
+                 {"spent_before_s", spent.time},
                  {"found_team_s", found ? nlohmann::json(*found) : nlohmann::json()}});
   const MissionResult& m = agent.result();
   std::printf("robot %d: %s, path %.1f m, time %.0f s, %zu incomplete elements left\n", a.id,

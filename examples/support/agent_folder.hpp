@@ -5,12 +5,11 @@
 /// agent.json (which robot it is) and trajectory.tum (stamps of Unix time) are there while it
 /// flies; map.sfm, reconstruction.ply, points.ply and metrics.json come at its end. A robot that is
 /// started again in the folder of one that did not come to an end keeps that one's path as
-/// trajectory_before_K.tum, finds its body where that ended, and has so much less of its charge.
+/// trajectory_before_K.tum, and has so much less of its charge.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -119,36 +118,29 @@ inline AgentFolder read_agent_folder(const std::filesystem::path& folder) {
   return f;
 }
 
-/// What a robot has flown before its process was started anew.
-struct EarlierFlight {
-  double distance = 0.0;                     ///< [m]
-  double time = 0.0;                         ///< In the air, of the mission's clock [s].
-  std::optional<Configuration> hovers_at{};  ///< Where it left its body, if there was one.
+/// What a robot's charge has given before its process was started anew.
+struct SpentCharge {
+  double distance = 0.0;  ///< [m]
+  double time = 0.0;      ///< In the air, of the mission's clock [s].
 };
-inline Configuration configuration_of(const Pose& T_world_body) {
-  return {T_world_body.translation(), std::atan2(T_world_body(1, 0), T_world_body(0, 0))};
-}
 /// Of the flights in a folder whose robot did not come to an end; nothing if that is another's, or
 /// none's. Throws `Error` for one that cannot be read.
-inline EarlierFlight flown_before(const std::filesystem::path& folder, int id) {
-  EarlierFlight flown;
-  double latest = -std::numeric_limits<double>::infinity();
+inline SpentCharge spent_before(const std::filesystem::path& folder, int id) {
+  SpentCharge spent;
   std::error_code ec;
   if (!std::filesystem::exists(folder / "agent.json", ec) ||
       std::filesystem::exists(folder / "metrics.json", ec))
-    return flown;
+    return spent;
   const AgentFolder before = read_agent_folder(folder);
-  if (before.id() != id) return flown;
+  if (before.id() != id) return spent;
   const double speed_up = before.about.value("speed_up", 1.0);
   for (const Trajectory& t : before.flights) {
     for (std::size_t i = 1; i < t.size(); ++i)
-      flown.distance +=
+      spent.distance +=
           (t[i].T_world_body.translation() - t[i - 1].T_world_body.translation()).norm();
-    flown.time += speed_up * (t.back().time - t.front().time);
-    if (t.back().time > latest) flown.hovers_at = configuration_of(t.back().T_world_body);
-    latest = std::max(latest, t.back().time);
+    spent.time += speed_up * (t.back().time - t.front().time);
   }
-  return flown;
+  return spent;
 }
 
 /// Where a robot with these flights is at a time [s]: between its stamps on a line, after a flight

@@ -52,6 +52,9 @@ inline StopReason reason_of(const AgentFolder& folder) {
     if (name == name_of(r)) return r;
   return StopReason::ended;
 }
+inline Configuration configuration_of(const Pose& T_world_body) {
+  return {T_world_body.translation(), std::atan2(T_world_body(1, 0), T_world_body(0, 0))};
+}
 /// Paths at common instants, for the judge.
 inline std::vector<std::vector<TimedConfiguration>> at_common_instants(
     const std::map<int, FlownPath>& paths) {
@@ -213,7 +216,7 @@ inline CollectedFleet collect_fleet(const std::vector<AgentFolder>& folders,
     for (const Trajectory& t : path.flights())
       for (const StampedPose& p : t)
         m.trajectories.back().push_back(
-            {speed_up * (p.time - begin), configuration_of(p.T_world_body)});
+            {speed_up * (p.time - begin), fc::configuration_of(p.T_world_body)});
   }
   c.more = {{"messages_dropped", drops},   {"late_steps", late},
             {"found_team_s", found},       {"stop_reason_by_robot", stops},
