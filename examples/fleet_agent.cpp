@@ -202,8 +202,8 @@ class FlyingAgent {
   FlyingAgent(const FlyingAgent&) = delete;
   FlyingAgent& operator=(const FlyingAgent&) = delete;
 
-  /// Its body can be seen before it is of the team.
-  void hover() { bodies_.tell(at()); }
+  /// Shows its body to others, before it is of the team, too.
+  void show_body() { bodies_.tell(at()); }
   /// A step of the mission's clock; false at its end.
   bool step(double now) {
     for (const auto& [robot, at] : bodies_.others())
@@ -216,7 +216,7 @@ class FlyingAgent {
     record_.estimate(now, robot_.belief());
     if (end_.over(now)) return false;
     for (Message<Packet>& m : robot_.act(now)) network_.send(std::move(m));
-    bodies_.tell(at());
+    show_body();
     if (!idle_) record_.add(now, std::span<const Configuration>(&at(), 1));  // or it hovers
     return true;
   }
@@ -384,10 +384,10 @@ int fly(const Arguments& a) {
                             .security = a.security,
                             .lost_packets = a.lost_packets});
   const SpentCharge spent = spent_before(a.out, a.id);
-  FlyingAgent agent(a, site, inputs, team, agreed,
-                    spent);  // with keys, silent robots are not found
+  // With keys, silent robots are not found.
+  FlyingAgent agent(a, site, inputs, team, agreed, spent);
   cli::watch_interrupts();
-  const std::optional<double> found = meet(*team, agreed, a.join, [&] { agent.hover(); });
+  const std::optional<double> found = meet(*team, agreed, a.join, [&] { agent.show_body(); });
   const auto out = cli::prepare_output_folder(a.out);
   TrajectoryLog path(out);
   write_file(out / "agent.json", nlohmann::json{{"id", a.id},

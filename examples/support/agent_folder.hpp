@@ -135,9 +135,7 @@ inline SpentCharge spent_before(const std::filesystem::path& folder, int id) {
   if (before.id() != id) return spent;
   const double speed_up = before.about.value("speed_up", 1.0);
   for (const Trajectory& t : before.flights) {
-    for (std::size_t i = 1; i < t.size(); ++i)
-      spent.distance +=
-          (t[i].T_world_body.translation() - t[i - 1].T_world_body.translation()).norm();
+    spent.distance += path_length(t);
     spent.time += speed_up * (t.back().time - t.front().time);
   }
   return spent;

@@ -9,6 +9,7 @@
 #include <surfleet/fleet/agent_options.hpp>
 #include <surfleet/fleet/as_traffic.hpp>
 #include <surfleet/fleet/central_planning.hpp>
+#include <surfleet/fleet/coverage_goal.hpp>
 #include <surfleet/fleet/distributed_agent.hpp>
 #include <surfleet/fleet/distributed_options.hpp>
 #include <surfleet/fleet/endurance.hpp>

@@ -173,7 +173,7 @@ TEST(what_is_open_counts_as_it_will_when_it_is_closed) {
   }
   const std::uint64_t before = fusion.map().revision();
   const MapPatch patch = recorder.close();
-  fusion.close_open(&patch);
+  fusion.close_open({&patch, 1});
   CHECK(fusion.map().revision() == before && fusion.size() == 2);
   fusion.show_open(recorder.open());
   CHECK(fusion.map().revision() == before);
@@ -181,7 +181,7 @@ TEST(what_is_open_counts_as_it_will_when_it_is_closed) {
   recorder.integrate(sheet_images(1, 7).front(), sheet_camera(), sheet_pose(7));
   fusion.show_open(recorder.open());
   CHECK(fusion.map().revision() > before);
-  fusion.close_open(nullptr);
+  fusion.close_open({});
   PatchFusion two(fusion.options());
   two.add(patch);
   two.add(mate);

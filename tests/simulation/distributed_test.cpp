@@ -89,7 +89,7 @@ std::vector<Configuration> flown_alone(const MissionOptions& o, box_world::World
     // At rest what is open is told, as nothing will be added soon.
     if (recorder.due() || (agent.at_rest() && recorder.images() > 0)) {
       const MapPatch patch = recorder.close();
-      fusion.close_open(&patch);
+      fusion.close_open({&patch, 1});
     }
     belief.update();
     agent.check_stop();

@@ -429,15 +429,15 @@ class Agent {
   ObstacleCheck obstacle_ahead_{.lookahead = 1.5};
   SensorReading reading_;
   Phase phase_ = Phase::scanning;
-  Stops route_;                   // what is left to do; the first stop is under way
-  RouteWork work_ = RouteWork();  // what the route was made for
-  ReplanRule replan_;             // of the plan that the route is from
-  std::size_t quarters_ = 0;      // of the first turn all around, one at each pitch
-  double idle_until_ = 0.0;       // no new request before [s]
-  double pause_ = kIdle;          // until the next request if this one gives nothing [s]
-  std::size_t images_ = 0;        // taken at this stop
-  bool held_ = false;             // stopped for a teammate on a path that will be gone on with
-  double held_until_ = 0.0;       // if still held then, the route is given up [s]
+  Stops route_;               // what is left to do; the first stop is under way
+  RouteWork work_;            // what the route was made for
+  ReplanRule replan_;         // of the plan that the route is from
+  std::size_t quarters_ = 0;  // of the first turn all around, one at each pitch
+  double idle_until_ = 0.0;   // no new request before [s]
+  double pause_ = kIdle;      // until the next request if this one gives nothing [s]
+  std::size_t images_ = 0;    // taken at this stop
+  bool held_ = false;         // stopped for a teammate on a path that will be gone on with
+  double held_until_ = 0.0;   // if still held then, the route is given up [s]
   Point3 aside_ = Point3::Zero();
   std::map<int, TrafficAgent> heard_;  // the last of every teammate
   std::vector<SeenRobot> seen_;        // with the last image

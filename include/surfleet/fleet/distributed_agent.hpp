@@ -58,7 +58,7 @@ class DistributedAgent {
       : id_(id),
         kind_(kind_number(kind)),
         options_(options),
-        limits_(options.patches.value_or(limits_of(checked.belief, kind))),
+        limits_(options.patches.value_or(limits_of(checked.belief, kind, options.relay.slack))),
         requests_(std::move(planner)),
         recorder_({.robot = id,
                    .incarnation = options.incarnation,
@@ -165,11 +165,14 @@ class DistributedAgent {
   std::size_t redundant_stops() const { return redundant_stops_; }  ///< Left to mates.
 
  private:
+  /// Where robots of the team, of which all have the same bounds, may be; empty: anywhere.
+  static Box3 places_of_robots(const RobotKind& kind, const Box3& region) {
+    return kind.bounds.isEmpty() ? Box3() : kind.bounds.merged(region);
+  }
   /// What news may say of mates, whose plans are made with this robot's belief.
   TeamRelayOptions of_the_team(TeamRelayOptions o) const {
     o.kinds = static_cast<RobotKindId>(belief_.kinds());
-    const Box3& bounds = belief_.space(0).kind.bounds;
-    if (o.bounds.isEmpty() && !bounds.isEmpty()) o.bounds = bounds.merged(belief_.region());
+    if (o.bounds.isEmpty()) o.bounds = places_of_robots(belief_.space(0).kind, belief_.region());
     return o;
   }
   static PatchSyncOptions own_sync(const DistributedAgentOptions& options) {
@@ -197,17 +200,17 @@ class DistributedAgent {
     for (MapPatch& part : parts) part.id = sync_.publish(part);
     fusion_.close_open(parts);
   }
-  /// By what this robot's own sensor and integrator give.
-  static PatchLimits limits_of(const SurfaceBeliefOptions& belief, const RobotKind& kind) {
+  /// By what this robot's own sensor and integrator give; robots may be `slack` away from where
+  /// they may be [m].
+  static PatchLimits limits_of(const SurfaceBeliefOptions& belief, const RobotKind& kind,
+                               double slack) {
     constexpr double kNear = 0.01;  // [m]
     PatchLimits limits = patch_limits(kind.sensor(), belief.voxel_size, belief.tsdf.truncation);
     limits.image_weight = std::max(limits.image_weight, belief.integrator->weight(0.0, kNear));
-    if (!kind.bounds.isEmpty()) {
-      constexpr double kSlack = 20.0;  // of robots that are where they should not be [m]
-      limits.places = kind.bounds.merged(belief.region);
-      limits.places.min().array() -= kSlack;
-      limits.places.max().array() += kSlack;
-    }
+    const Box3 places = places_of_robots(kind, belief.region);
+    if (!places.isEmpty())
+      limits.places =
+          Box3(places.min() - Point3::Constant(slack), places.max() + Point3::Constant(slack));
     return limits;
   }
   bool is_agreed() const {

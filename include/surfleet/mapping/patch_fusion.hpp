@@ -111,9 +111,6 @@ class PatchFusion {
   }
   /// What was open is a patch now, or some, or nothing: the map does not change by it, unless these
   /// are not what was shown last.
-  void close_open(const MapPatch* patch) {
-    close_open(std::span<const MapPatch>(patch, patch != nullptr ? 1 : 0));
-  }
   void close_open(std::span<const MapPatch> patches) {
     for (const MapPatch& patch : patches) check(patch);
     open_.for_each_block([&](const Sums::Block& b) { touched_.push_back(b.index); });

@@ -264,10 +264,11 @@ class TrafficPolicy {
   template <typename Free>
   std::pair<Point3, bool> place_aside(const TrafficAgent& me, std::span<const TrafficAgent> others,
                                       const Free& free) const {
-    std::vector<std::vector<Point3>> paths(others.size());
+    std::vector<std::vector<Point3>> places(others.size()), paths(others.size());
     for (std::size_t i = 0; i < others.size(); ++i) {
       const TrafficAgent& o = others[i];
-      paths[i] = o.path.size() < 2 || !before(o, me) ? o.places() : o.path;
+      places[i] = o.places();
+      paths[i] = o.path.size() < 2 || !before(o, me) ? places[i] : o.path;
     }
     for (double distance = 0.5; distance <= options.longest_step; distance += 0.5)
       for (int k = 0; k < 40; ++k) {
@@ -288,7 +289,7 @@ class TrafficPolicy {
           const std::array<Point3, 1> end{target};
           const std::array<Point3, 2> move{me.position, target};
           good = detail::polyline_distance(end, paths[i]) >= keep &&
-                 detail::polyline_distance(move, o.places()) >=
+                 detail::polyline_distance(move, places[i]) >=
                      std::min(gap, o.distance(me.position) - 1e-6);
         }
         if (good && free(me.position, target)) return {target, true};

@@ -15,11 +15,16 @@
 
 namespace surfleet {
 namespace detail {
-inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
+/// What both have.
+inline TourPlannerOptions tours_by(const PlannerSettings& s) {
   TourPlannerOptions tours;
   tours.distance = s.standoff;
   tours.clusters = {.radius = s.cluster_radius, .max_radius = s.cluster_max_radius};
   tours.by_path = s.cluster_by_path;
+  return tours;
+}
+inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
+  TourPlannerOptions tours = tours_by(s);
   tours.asynchronous = true;
   tours.replan.utility_share = s.utility_share.value_or(s.printed_share);
   tours.replan.as_printed = true;
@@ -27,12 +32,8 @@ inline TourPlannerOptions printed_tours(const PlannerSettings& s) {
 }
 /// With bounded clusters, and plans for all at once.
 inline TourPlannerOptions own_tours(const PlannerSettings& s) {
-  TourPlannerOptions tours;
-  tours.distance = s.standoff;
-  tours.clusters = {.radius = s.cluster_radius,
-                    .max_radius = s.cluster_max_radius,
-                    .max_extent = 2.0 * s.cluster_max_radius};
-  tours.by_path = s.cluster_by_path;
+  TourPlannerOptions tours = tours_by(s);
+  tours.clusters.max_extent = 2.0 * s.cluster_max_radius;
   tours.replan.utility_share = s.utility_share;
   return tours;
 }
