@@ -55,12 +55,14 @@ def missions(files):
                    "–" if not equal else f"{sum(equal)}/{len(equal)}",
                    number(catching_up(all_of), 1),
                    number(sum(m["collisions"] for m in all_of)),
+                   number(mean([m["mission_peak_memory_bytes"] for m in all_of
+                                if m.get("mission_peak_memory_bytes")]), 2, 1e-9),
                    number(mean([m["wall_time_s"] for m in all_of])) + " s" if same else
                    number(ratio(pairs, lambda m: m["wall_time_s"]), 1))
 
 
 MISSION_COLUMNS = ("scene×drones", "network", "n", "time", "path", "coverage", "RMSE", "MB each",
-                   "bytes", "stops left", "equal", "caught up, s", "collisions", "wall")
+                   "bytes", "stops left", "equal", "caught up, s", "collisions", "memory, GB", "wall")
 RUN_COLUMNS = ("variant", "runs", "complete, maps equal", "found in, s", "most MB sent",
                "idle B/s", "idle growth, MB", "collisions")
 
