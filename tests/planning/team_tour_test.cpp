@@ -171,6 +171,34 @@ TEST(tours_are_the_same_on_any_number_of_threads) {
   }
 }
 
+/// Remembers which sites were evaluated since the last stop was taken.
+struct OnceViews : ListedViews {
+  explicit OnceViews(ListedViews v) : ListedViews(std::move(v)) {}
+  std::multiset<std::size_t> evaluated;
+
+  double evaluate(std::size_t s, double enough, GainByView& by_view) {
+    evaluated.insert(s);
+    return ListedViews::evaluate(s, enough, by_view);
+  }
+  void take(std::size_t s, int view) {
+    for (const std::size_t e : evaluated) CHECK(evaluated.count(e) == 1);
+    evaluated.clear();
+    ListedViews::take(s, view);
+  }
+};
+
+// Sites are evaluated at the same time, so the same one twice would be a race.
+TEST(no_site_is_evaluated_twice_for_a_stop) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+    for (const bool loose : {false, true}) {
+      Scattered all = scattered(seed, 2, 6);
+      all.views.loose = loose;
+      OnceViews views(all.views);
+      const auto tours = TeamTours(all.team, all.sites, views, TeamTourOptions{.turn_cost = 1.0})();
+      CHECK(tours[0].size() == 6);
+    }
+}
+
 TEST(a_tour_takes_the_small_en_route_to_the_broad) {
   // The broad pays best and is far off; alone it would be flown to at once.
   const auto row = [](int stops) {

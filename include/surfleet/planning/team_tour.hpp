@@ -207,7 +207,7 @@ class TeamTours {
     for (std::size_t s = 0; s < sites_.size(); ++s) {
       if (most[s] <= kTie * best.stop.rate * floor) continue;  // most are
       const auto c = candidate(s, shortest, most[s]);
-      if (c && c->most_rate > kTie * best.stop.rate) open.push_back(*c);
+      if (c && c->most_rate > kTie * best.stop.rate && !is_promising(s)) open.push_back(*c);
     }
     std::make_heap(open.begin(), open.end());
     for (;;) {
@@ -227,6 +227,9 @@ class TeamTours {
     for (std::size_t k = 0; k < tried.size() && promising_.size() < kBatch; ++k)
       if (tried[k].stop.site != best.stop.site) promising_.push_back(tried[k].stop.site);
     return best.stop.rate > 0.0 ? std::optional(best) : std::nullopt;
+  }
+  bool is_promising(std::size_t s) const {
+    return std::find(promising_.begin(), promising_.end(), s) != promising_.end();
   }
   /// Nothing where no tour takes the site.
   std::optional<Candidate> candidate(std::size_t s, double shortest, double most) const {
