@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/mapping/voxel_state_map.hpp>
 
+#include <array>
+
 #include <surfleet/core/random.hpp>
 
 #include "check.hpp"
@@ -59,4 +61,41 @@ TEST(only_real_changes_are_passed_on) {
   map.block(slot).voxels[7] = {-0.1F, 9.0F};
   map.mark_changed(slot);
   CHECK(states.update(map) == 1 && states.grid().changed_since(cursor).size() == 1);
+}
+
+TEST(clear_cubes_are_clear_and_as_large_as_they_can_be) {
+  Random random(7);
+  TsdfMap map({.voxel_size = 0.3});
+  VoxelStateMap states(map, {.known_weight = 0.3});
+  std::array<int, 9> found{};
+  for (int round = 0; round < 30; ++round) {
+    const std::uint32_t slot = map.ensure_slot(
+        {static_cast<int>(random.below(3)) - 1, static_cast<int>(random.below(2)), 0});
+    for (TsdfVoxel& v : map.block(slot).voxels) v = {0.5F, 1.0F};
+    for (std::size_t k = random.below(4); k > 0; --k)  // few, so that cubes stay clear
+      map.block(slot).voxels[random.below(512)] =
+          random.below(2) == 0 ? TsdfVoxel{-0.5F, 1.0F} : TsdfVoxel{};
+    map.mark_changed(slot);
+    states.update(map);
+    auto accessor = states.accessor();
+    for (int i = 0; i < 300; ++i) {
+      const VoxelIndex v(static_cast<int>(random.below(40)) - 16,
+                         static_cast<int>(random.below(24)) - 4, static_cast<int>(random.below(8)));
+      for (const bool past_unknown : {false, true}) {
+        int expected = 0;
+        for (const int side : {4, 8}) {
+          const VoxelIndex low(v.x() & -side, v.y() & -side, v.z() & -side);
+          bool clear = true;
+          for_each_index(low, low + VoxelIndex::Constant(side - 1), [&](const VoxelIndex& w) {
+            clear = clear && (states(w) == VoxelState::empty ||
+                              (past_unknown && states(w) == VoxelState::unknown));
+          });
+          if (clear) expected = side;
+        }
+        CHECK(accessor.clear_cube(v, past_unknown) == expected);
+        ++found[static_cast<std::size_t>(expected)];
+      }
+    }
+  }
+  CHECK(found[0] > 500 && found[4] > 500 && found[8] > 500);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <surfleet/mapping/voxel_traversal.hpp>
 
+#include <cstdlib>
 #include <vector>
 
 #include <surfleet/core/random.hpp>
@@ -74,5 +75,51 @@ TEST(the_visitor_can_stop) {
   int seen = 0;
   CHECK(!traverse_voxels({0.5, 0.5, 0.5}, {9.5, 0.5, 0.5}, 1.0,
                          [&](const VoxelIndex&) { return ++seen < 3; }));
+  CHECK(seen == 3);
+}
+
+TEST(cubes_are_left_at_once_and_nothing_else_is_missed) {
+  Random random(9);
+  for (int i = 0; i < 3000; ++i) {
+    const double h = random.uniform(0.05, 2.0), far = i % 3 == 0 ? -1e3 : 0.0;
+    Point3 from = Point3::NullaryExpr([&] { return random.uniform(-30, 30) * h + far; });
+    Point3 to = Point3::NullaryExpr([&] { return random.uniform(-30, 30) * h + far; });
+    if (i % 5 == 0) to.x() = from.x();
+    if (i % 7 == 0) to.y() = from.y();
+    if (i % 35 == 0) to = from;
+    if (i % 2 == 0) {  // through edges and corners
+      from = (2.0 / h * from).array().round() * 0.5 * h;
+      to = (2.0 / h * to).array().round() * 0.5 * h;
+    }
+    const auto all = walk(from, to, h);
+    // How large a cube is skipped follows from where it is.
+    const auto side_of = [i](const VoxelIndex& v) {
+      const VoxelIndex b(v.x() >> 3, v.y() >> 3, v.z() >> 3);
+      return 1 << (std::abs(b.x() + 3 * b.y() + 5 * b.z() + i) % 4);
+    };
+    std::vector<VoxelIndex> expected;
+    for (const VoxelIndex& v : all) {
+      const int inside = ~(side_of(v) - 1);
+      const bool skipped = !expected.empty() && side_of(v) == side_of(expected.back()) &&
+                           ((v.array().unaryExpr([&](int c) { return c & inside; })) ==
+                            (expected.back().array().unaryExpr([&](int c) { return c & inside; })))
+                               .all();
+      if (!skipped) expected.push_back(v);
+    }
+    std::vector<VoxelIndex> visited;
+    CHECK(traverse_voxels(from, to, h, [&](const VoxelIndex& v) {
+      visited.push_back(v);
+      return side_of(v);
+    }));
+    CHECK(visited == expected);
+  }
+}
+
+TEST(a_visitor_of_cubes_can_stop) {
+  int seen = 0;
+  CHECK(!traverse_voxels({0.5, 0.5, 0.5}, {90.5, 0.5, 0.5}, 1.0, [&](const VoxelIndex& v) {
+    CHECK(v.x() == 8 * seen);
+    return ++seen < 3 ? 8 : 0;
+  }));
   CHECK(seen == 3);
 }

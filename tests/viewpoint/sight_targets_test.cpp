@@ -131,6 +131,46 @@ TEST(nothing_is_seen_through_a_wall_and_little_through_the_unknown) {
   CHECK(seen == std::vector<std::int32_t>({1, 3}));
 }
 
+TEST(lines_of_sight_are_those_of_a_walk_by_single_voxels) {
+  Random random(12);
+  TsdfMap map({.voxel_size = 0.25});
+  for (int z = 0; z < 40; ++z)
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 40; ++x) map.ensure({x, y, z}) = {0.2F, 1.0F};
+  for (int i = 0; i < 60; ++i) {  // bars and holes
+    const VoxelIndex at(static_cast<int>(random.below(36)), static_cast<int>(random.below(36)),
+                        static_cast<int>(random.below(36)));
+    const TsdfVoxel made = i % 2 == 0 ? TsdfVoxel{-0.2F, 1.0F} : TsdfVoxel{};
+    for_each_index(at, at + VoxelIndex(3, i % 3, i % 4),
+                   [&](const VoxelIndex& v) { map.ensure(v) = made; });
+  }
+  for (std::uint32_t s = 0; s < map.block_count(); ++s) map.mark_changed(s);
+  const VoxelStateMap states(map);
+  int seen = 0, hidden = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const auto any = [&] {
+      return Point3(random.uniform(-1, 11), random.uniform(-1, 11), random.uniform(-1, 11));
+    };
+    Point3 p = any();
+    SightTarget target{any(), Eigen::Vector3d::Zero(), 1.0, static_cast<int>(random.below(5))};
+    if (i % 4 == 0) target.position = map.center(map.index_of(target.position));
+    for (const bool past_unknown : {false, true}) {
+      MapSight sight(states);
+      if (past_unknown) sight.see_through_unknown();
+      int unknown = 0;
+      const bool expected = traverse_voxels(p, target.position, 0.25, [&](const VoxelIndex& v) {
+        if (v == map.index_of(target.position)) return true;
+        if (states(v) == VoxelState::unknown) ++unknown;
+        return states(v) != VoxelState::occupied &&
+               (past_unknown || unknown <= target.unknown_before);
+      });
+      CHECK(sight(p, target) == expected);
+      ++(expected ? seen : hidden);
+    }
+  }
+  CHECK(seen > 5000 && hidden > 5000);
+}
+
 TEST(gain_counts_what_is_not_done) {
   const TsdfMap map = walled_room();
   const VoxelStateMap states(map);

@@ -59,6 +59,7 @@ class DistanceTransform {
     bits_.push_back(outside_bits());
     rows_.emplace_back().fill(
         static_cast<std::int16_t>(outside_ ? 0 : (reach_ + 1) * (reach_ + 1)));
+    far_.push_back(!outside_);
     stamp_.push_back(0);
     return slot;
   }
@@ -101,6 +102,20 @@ class DistanceTransform {
 
  private:
   using Rows = std::array<std::int16_t, 512>;  // squared distance along x
+  /// Of indices, ends included; empty at first.
+  struct Range {
+    int first = 1 << 20, last = -(1 << 20);
+
+    bool empty() const { return first > last; }
+    void extend(int i) {
+      first = std::min(first, i);
+      last = std::max(last, i);
+    }
+    /// The voxels of these blocks, no farther than `reach` from those of block 0.
+    Range voxels(int reach) const {
+      return empty() ? *this : Range{std::max(8 * first, -reach), std::min(8 * last, reach) + 7};
+    }
+  };
   struct Change {
     BlockIndex block;
     VoxelSpan span;  // of the voxels that differ
@@ -118,6 +133,7 @@ class DistanceTransform {
     const std::uint8_t absent = outside_ ? 0xFF : 0x00;
     const auto cap = static_cast<std::int16_t>((reach_ + 1) * (reach_ + 1));
     Rows& rows = rows_[slot];
+    far_[slot] = true;
     for (std::size_t r = 0; r < 64; ++r) {
       std::uint64_t bits = 0;
       for (int d = 0; d <= 2 * halo_; ++d) {
@@ -129,6 +145,7 @@ class DistanceTransform {
         std::fill(out, out + 8, cap);
         continue;
       }
+      far_[slot] = false;
       for (int x = 0; x < 8; ++x) {
         const int at = 8 * halo_ + x;
         const int g = std::min(
@@ -142,15 +159,18 @@ class DistanceTransform {
   bool transform(std::uint32_t slot) {
     const BlockIndex index = grid_.block(slot).index;
     const int span = 2 * halo_ + 1;
-    std::array<const std::int16_t*, 49> near{};  // rows of the neighbours in y, z
-    bool all_far = true;
+    std::array<const std::int16_t*, 49> near{};  // rows of the neighbours in y, z that are not far
     const std::int16_t* absent = outside_ ? zero_rows() : nullptr;
+    Range all;  // blocks along z that have some
+    std::array<Range, 7> along_y;
     for (int z = -halo_; z <= halo_; ++z)
       for (int y = -halo_; y <= halo_; ++y) {
         const std::uint32_t n = grid_.find_slot(index + BlockIndex(0, y, z));
-        const std::int16_t* rows = n == Grid::kNone ? absent : rows_[n].data();
+        const std::int16_t* rows = n == Grid::kNone ? absent : far_[n] ? nullptr : rows_[n].data();
         near[static_cast<std::size_t>((y + halo_) + span * (z + halo_))] = rows;
-        all_far = all_far && rows == nullptr;
+        if (rows == nullptr) continue;
+        all.extend(z);
+        along_y[static_cast<std::size_t>(z + halo_)].extend(y);
       }
     std::array<std::int16_t, 512> result;
     const auto cap = static_cast<std::int16_t>(reach_ * reach_);
@@ -158,12 +178,19 @@ class DistanceTransform {
     if (const BlockBits& own = bits_[slot];
         std::all_of(own.begin(), own.end(), [](std::uint8_t b) { return b == 0xFF; })) {
       result.fill(0);
-    } else if (!all_far) {
+    } else if (!all.empty()) {
       constexpr std::size_t kMaxSpan = 8 + 2 * kMaxReach;
       std::array<std::int16_t, kMaxSpan * 64> columns;  // after the pass along y, a slab per z
       std::array<std::int16_t, kMaxSpan * 8> lines;     // one slab before that pass
-      for (int z = -reach_; z < 8 + reach_; ++z) {
+      const Range z_with = all.voxels(reach_);
+      for (int z = z_with.first; z <= z_with.last; ++z) {
         const int bz = (z + 8 * halo_) / 8, iz = (z + 8 * halo_) % 8;
+        std::int16_t* slab = columns.data() + (z + reach_) * 64;
+        const Range y_with = along_y[static_cast<std::size_t>(bz)].voxels(reach_);
+        if (y_with.empty()) {
+          std::fill(slab, slab + 64, cap);
+          continue;
+        }
         for (int y = -reach_; y < 8 + reach_; ++y) {
           const int by = (y + 8 * halo_) / 8, iy = (y + 8 * halo_) % 8;
           const std::int16_t* rows = near[static_cast<std::size_t>(by + span * bz)];
@@ -173,12 +200,11 @@ class DistanceTransform {
           else
             std::copy_n(rows + (iy + 8 * iz) * 8, 8, line);
         }
-        const Slab slab = lowered(lines.data(), 8, cap);
-        std::copy(slab.begin(), slab.end(), columns.data() + (z + reach_) * 64);
+        lower(lines.data() + reach_ * 8, 8, {y_with.first - 7, y_with.last}, cap, slab);
       }
       for (int z = 0; z < 8; ++z) {
-        const Slab slab = lowered(columns.data() + z * 64, 64, cap);
-        std::copy(slab.begin(), slab.end(), result.data() + z * 64);
+        const Range with{z_with.first - z, z_with.last - z};
+        lower(columns.data() + (z + reach_) * 64, 64, with, cap, result.data() + z * 64);
       }
     }
     if (result == grid_.block(slot).voxels) return false;
@@ -187,18 +213,32 @@ class DistanceTransform {
     return true;
   }
   /// A pass of the transform: for 64 places at once the least over d of what lies d strides on from
-  /// them, plus d²; `in` is where d is −reach.
-  using Slab = std::array<std::int16_t, 64>;
-  Slab lowered(const std::int16_t* in, int stride, std::int16_t cap) const {
-    Slab slab;
+  /// them, plus d², from −reach to reach and within `at`. Nearest first, until that is less than
+  /// what lies farther off can be.
+  void lower(const std::int16_t* in, int stride, Range at, std::int16_t cap,
+             std::int16_t* out) const {
+    // Apart from `in` for the compiler, and not indexed as an array, which sanitizers would call.
+    std::array<std::int16_t, 64> slab;
     slab.fill(cap);
-    std::int16_t* const least = slab.data();  // the sanitizers' build would call operator[]
-    for (int d = -reach_; d <= reach_; ++d, in += stride)
-      for (std::size_t i = 0; i < slab.size(); ++i) {
-        const auto through = static_cast<std::int16_t>(in[i] + d * d);
+    std::int16_t* const least = slab.data();
+    const auto pass = [=](int d) {
+      const std::int16_t* from = in + d * stride;
+      const auto far = static_cast<std::int16_t>(d * d);
+      for (std::size_t i = 0; i < 64; ++i) {
+        const auto through = static_cast<std::int16_t>(from[i] + far);
         least[i] = through < least[i] ? through : least[i];
       }
-    return slab;
+    };
+    if (at.first <= 0 && at.last >= 0) pass(0);
+    const int last = std::min(reach_, std::max(-at.first, at.last));
+    for (int d = std::max({1, at.first, -at.last}); d <= last; ++d) {
+      std::int16_t most = 0;
+      for (std::size_t i = 0; i < 64; ++i) most = least[i] > most ? least[i] : most;
+      if (most <= d * d) break;
+      if (d <= at.last) pass(d);
+      if (-d >= at.first) pass(-d);
+    }
+    std::copy(slab.begin(), slab.end(), out);
   }
   static const std::int16_t* zero_rows() {
     static const Rows zeros{};
@@ -208,8 +248,9 @@ class DistanceTransform {
   Grid grid_;
   int reach_ = 0, halo_ = 0;
   bool outside_ = true;          // whether what has no block is an obstacle
-  std::vector<BlockBits> bits_;  // by slot, like the next two
+  std::vector<BlockBits> bits_;  // by slot, like the next three
   std::vector<Rows> rows_;
+  std::vector<bool> far_;  // nothing within reach along x
   std::vector<std::uint64_t> stamp_;
   std::vector<Change> changes_;
   std::uint64_t epoch_ = 0;

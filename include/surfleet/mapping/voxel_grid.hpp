@@ -206,13 +206,18 @@ class VoxelGrid {
    public:
     explicit Accessor(const VoxelGrid& grid) : grid_(&grid) {}
     const Voxel* find(const VoxelIndex& v) {
+      const Block* block = find_block(v);
+      return block == nullptr ? nullptr : &block->voxels[offset_of(v)];
+    }
+    /// The block of a voxel.
+    const Block* find_block(const VoxelIndex& v) {
       // No voxel of another block has the high bits of the first of this one.
       if ((((v.x() ^ x_) | (v.y() ^ y_) | (v.z() ^ z_)) & ~(kSide - 1)) != 0) move_to(v);
-      return block_ == nullptr ? nullptr : &block_->voxels[offset_of(v)];
+      return block_;
     }
 
    private:
-    /// Apart from `find`, which is to be small enough to become part of its callers.
+    /// Apart from `find_block`, which is to be small enough to become part of its callers.
     [[gnu::noinline]] void move_to(const VoxelIndex& v) {
       block_ = grid_->find_block(block_of(v));
       x_ = v.x() & ~(kSide - 1);

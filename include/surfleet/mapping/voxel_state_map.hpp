@@ -100,6 +100,32 @@ concept VoxelStateSource = Map::kBlockSide ==
 };
 static_assert(VoxelStateSource<TsdfMap>);
 
+/// In which octants of a block there are voxels of a state, a bit each by `octant_of`.
+struct StateOctants {
+  std::uint8_t unknown = 0xFF, occupied = 0;
+
+  static constexpr int kSide = TsdfMap::kBlockSide / 2;
+  static int octant_of(const VoxelIndex& v) {
+    return static_cast<int>((v.x() & kSide) != 0) | static_cast<int>((v.y() & kSide) != 0) << 1 |
+           static_cast<int>((v.z() & kSide) != 0) << 2;
+  }
+};
+inline StateOctants octants_of(const std::array<VoxelState, TsdfMap::kBlockVoxels>& voxels) {
+  StateOctants o{0, 0};
+  constexpr std::size_t kHalf = StateOctants::kSide, kSide = TsdfMap::kBlockSide;
+  for (std::size_t row = 0; row < 2 * kSide * kSide; ++row) {  // of half a block
+    int unknown = 0, occupied = 0;
+    for (std::size_t i = row * kHalf; i < (row + 1) * kHalf; ++i) {
+      unknown |= static_cast<int>(voxels[i] == VoxelState::unknown);
+      occupied |= static_cast<int>(voxels[i] == VoxelState::occupied);
+    }
+    const std::size_t octant = row % 2 | (row / kSide % 2) << 1 | (row / (kSide * kSide)) << 2;
+    o.unknown = static_cast<std::uint8_t>(o.unknown | unknown << octant);
+    o.occupied = static_cast<std::uint8_t>(o.occupied | occupied << octant);
+  }
+  return o;
+}
+
 /// The states of a map's voxels, one byte each, kept up to date by the change.
 ///
 /// A block that was never made is unknown. `update` costs O(changed blocks of the source); the
@@ -107,7 +133,11 @@ static_assert(VoxelStateSource<TsdfMap>);
 /// change than the source had.
 class VoxelStateMap {
  public:
-  using Grid = VoxelGrid<VoxelState, TsdfMap::kBlockSide, HitStates>;
+  /// What a block keeps beside the states of its voxels.
+  struct Layer : HitStates {
+    StateOctants octants;
+  };
+  using Grid = VoxelGrid<VoxelState, TsdfMap::kBlockSide, Layer>;
 
   template <VoxelStateSource Map>
   explicit VoxelStateMap(const Map& map, VoxelStateOptions options = {})
@@ -134,7 +164,7 @@ class VoxelStateMap {
         continue;
       }
       grid_.block(own).voxels = states.voxels;
-      grid_.block(own).layer = std::move(states.layer);
+      grid_.block(own).layer = {std::move(states.layer), octants_of(states.voxels)};
       grid_.mark_changed(own);
       ++changed;
     }
@@ -158,6 +188,17 @@ class VoxelStateMap {
     VoxelState operator()(const VoxelIndex& v) {
       const VoxelState* s = inner_.find(v);
       return s == nullptr ? VoxelState::unknown : *s;
+    }
+    /// The side of an aligned cube around a voxel in which all voxels are empty, or,
+    /// `past_unknown`, empty or unknown; 0 if none was found. A cube of one voxel is not looked
+    /// for.
+    int clear_cube(const VoxelIndex& v, bool past_unknown) {
+      const Grid::Block* block = inner_.find_block(v);
+      if (block == nullptr) return past_unknown ? Grid::kBlockSide : 0;
+      const StateOctants& o = block->layer.octants;
+      const int full = past_unknown ? o.occupied : o.occupied | o.unknown;
+      if (full == 0) return Grid::kBlockSide;
+      return (full >> StateOctants::octant_of(v) & 1) != 0 ? 0 : StateOctants::kSide;
     }
 
    private:

@@ -202,7 +202,7 @@ concept TargetSight = std::copy_constructible<S> &&
 };
 
 /// Sight through a map: occupied voxels end it, and more unknown ones than the target allows.
-/// O(voxels on the line).
+/// O(voxels and clear cubes on the line).
 class MapSight {
  public:
   explicit MapSight(const VoxelStateMap& map) : map_(&map), states_(map) {}
@@ -212,10 +212,12 @@ class MapSight {
     const VoxelIndex goal = map_->grid().index_of(t.position);
     int unknown = 0;
     return traverse_voxels(p, t.position, map_->voxel_size(), [&](const VoxelIndex& v) {
-      if (v == goal) return true;
+      if (const int side = states_.clear_cube(v, through_unknown_)) return side;
+      if (v == goal) return 1;
       const VoxelState s = states_(v);
-      return s == VoxelState::empty ||
-             (s == VoxelState::unknown && (through_unknown_ || ++unknown <= t.unknown_before));
+      return static_cast<int>(
+          s == VoxelState::empty ||
+          (s == VoxelState::unknown && (through_unknown_ || ++unknown <= t.unknown_before)));
     });
   }
 
