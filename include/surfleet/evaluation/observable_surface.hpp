@@ -133,19 +133,20 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
       [&](std::size_t i) {
         const Point3& p = samples.points[i];
         const Eigen::Vector3d normal = samples.normals[i].cast<double>();
-        // The first of some positions that sees a side, if any does. Rays start a little off it.
-        const auto sees = [&](std::span<const Point3> positions,
-                              const Eigen::Vector3d& side) -> std::optional<Point3> {
+        // The first of some positions with the sample in view from which a side shows, if any does.
+        // Rays start a little off it.
+        const auto shows_from = [&](std::span<const Point3> positions,
+                                    const Eigen::Vector3d& side) -> std::optional<Point3> {
           const Point3 origin = p + options.tolerance * side;
           std::array<Eigen::Vector3d, kBundle> rays;
           std::array<Point3, kBundle> from;
           std::array<double, kBundle> t;
           std::size_t count = 0;
           for (const Point3& q : positions) {
-            if (!view.sees(q, p)) continue;
             const Point3 eye = view.eye(q, p);
-            const double along = (eye - p).dot(side);
-            if (along <= options.tolerance || along < min_cosine * (eye - p).norm()) continue;
+            const Eigen::Vector3d to_eye = eye - p;
+            const double along = to_eye.dot(side);
+            if (along <= options.tolerance || along < min_cosine * to_eye.norm()) continue;
             from[count] = q;
             rays[count++] = eye - origin;
           }
@@ -165,7 +166,7 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
               const Eigen::Vector3i node = lattice.nearest_node(p + range * (frame * d));
               if (!lattice.reached(node)) continue;
               const Point3 q = lattice.position(node);
-              if (!sees(std::span<const Point3>(&q, 1), side)) continue;
+              if (!view.sees(q, p) || !shows_from(std::span<const Point3>(&q, 1), side)) continue;
               viewer = q;
               return true;
             }
@@ -206,7 +207,7 @@ ObservableSurface observable_surface(const PointCloud& samples, const Caster& sc
             for (std::size_t at = 0; at < list.size() && !seen[k]; at += kBundle) {
               const std::span<const Point3> bundle(list.data() + at,
                                                    std::min(kBundle, list.size() - at));
-              const auto one = sees(bundle, side);
+              const auto one = shows_from(bundle, side);
               if (!one) continue;
               result.viewers[i][k] = *one;
               seen[k] = true;

@@ -20,6 +20,9 @@
 
 namespace surfleet {
 struct InterestOptions {
+  /// Elements and predicted surface are targets in cells this wide, over the range; in whole
+  /// voxels, two of them at least.
+  double cell_share = 0.08;
   /// What an incomplete element counts, in faces of a voxel: more than it shows, as one that is
   /// left behind costs a stop.
   double element_faces = 4.0;
@@ -33,8 +36,8 @@ struct InterestOptions {
 
 /// The targets of views, from three sources. For one mission, as it remembers views in vain.
 ///
-/// Incomplete elements in cells of two voxels that face alike are one target. Predicted surface
-/// counts half as much each time that a view did not bring it. The frontier, where unknown space
+/// Incomplete elements of a cell that face alike are one target. Predicted surface counts half as
+/// much each time that a view did not bring it. The frontier, where unknown space
 /// borders on empty space of the region, counts for what it may hide: by how much surface there is
 /// around, and far from any by how often frontier at that height turned out to hold some.
 class Interest {
@@ -44,18 +47,24 @@ class Interest {
   explicit Interest(InterestOptions o = {}) : options(o) {}
 
   /// Of the situation's goals, less those that the ledger has no hope for. The targets of elements
-  /// come first, then predicted patches, then frontier. O(goals + frontier), and the change of the
-  /// map.
-  std::vector<SightTarget> operator()(const SurfaceSituation& situation) {
+  /// come first, then predicted patches, then frontier. `finely`, elements are in cells of two
+  /// voxels: where the one that stands for a cell cannot be seen, another may. O(goals + frontier),
+  /// and the change of the map.
+  std::vector<SightTarget> operator()(const SurfaceSituation& situation, bool finely = false) {
     const double range = situation.space().kind.camera.max_range;
+    cell_ = std::max(kFine, static_cast<int>(options.cell_share * range /
+                                             situation.belief.known().voxel_size()));
+    is_fine_ = finely || cell_ == kFine;
     std::vector<SightTarget> targets;
-    add_elements(situation, targets);
+    add_elements(situation, is_fine_ ? kFine : cell_, targets);
     elements_ = targets.size();
     add_predicted(situation, range, targets);
     predicted_ = targets.size();
     if (options.frontier_gain > 0.0) add_frontier(situation, range, targets);
     return targets;
   }
+  /// Whether the last call had elements in cells of two voxels.
+  bool is_fine() const { return is_fine_; }
   /// The goals that a target of the last call stands for, by their place among them.
   std::span<const std::int32_t> goals(std::size_t target) const {
     return target < members_.size() ? std::span<const std::int32_t>(members_[target])
@@ -70,7 +79,9 @@ class Interest {
   }
 
  private:
-  void add_elements(const SurfaceSituation& situation, std::vector<SightTarget>& targets) {
+  /// In cells of so many voxels.
+  void add_elements(const SurfaceSituation& situation, int cell,
+                    std::vector<SightTarget>& targets) {
     const double voxel = situation.belief.known().voxel_size();
     members_.clear();
     std::unordered_map<std::uint64_t, std::size_t> groups;
@@ -81,7 +92,7 @@ class Interest {
       e.direction.cwiseAbs().maxCoeff(&axis);
       auto key = static_cast<std::uint64_t>(2 * axis + (e.direction[axis] > 0.0 ? 1 : 0));
       for (int k = 0; k < 3; ++k)
-        key = key << 20 | (static_cast<std::uint64_t>(e.voxel[k] >> 1) & 0xfffffU);
+        key = key << 20 | (static_cast<std::uint64_t>(floor_div(e.voxel[k], cell)) & 0xfffffU);
       const auto [it, fresh] = groups.try_emplace(key, targets.size());
       if (fresh) {
         targets.push_back({e.frontier(voxel), e.direction, 0.0, kDepth});
@@ -97,7 +108,7 @@ class Interest {
     const double reach = options.prediction_reach * range;
     for (const PredictedPatch& p :
          predict_(situation.goals, situation.belief.known(),
-                  {.reach = reach, .step = 2.0 * voxel, .region = situation.belief.region()})) {
+                  {.reach = reach, .step = cell_ * voxel, .region = situation.belief.region()})) {
       const auto vain = vain_.find(cell_of(p.position, voxel));
       const double hope = vain == vain_.end() ? 1.0 : std::pow(0.5, vain->second);
       targets.push_back({p.position, p.normal, options.prediction_gain * p.area * hope,
@@ -122,17 +133,20 @@ class Interest {
                std::lround(frontier_.edge() / situation.belief.known().voxel_size()))});
     }
   }
-  /// Predicted surface is remembered by cells of two voxels.
-  static VoxelKey cell_of(const Point3& p, double voxel) {
-    return key_of(VoxelIndex((p / (2.0 * voxel)).array().floor().cast<int>()));
+  VoxelKey cell_of(const Point3& p, double voxel) const {
+    return key_of(VoxelIndex((p / (cell_ * voxel)).array().floor().cast<int>()));
   }
+  static int floor_div(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
+  static constexpr int kFine = 2;   ///< The least edge of a cell [voxels].
   static constexpr int kDepth = 2;  ///< Unknown voxels before an element that a view may pass.
   static constexpr double kFrontierCell = 0.19;  ///< Its edge over the range.
   static constexpr double kNear = 0.6;  ///< So near is around a piece of frontier, over the range.
 
   std::vector<std::vector<std::int32_t>> members_;  // goals by target
   std::size_t elements_ = 0, predicted_ = 0;        // where their targets end
+  int cell_ = kFine;                                // its edge [voxels]
+  bool is_fine_ = true;
   SurfacePredictor predict_;
   Frontiers frontier_;
   std::map<VoxelKey, int> vain_;  // views of predicted surface

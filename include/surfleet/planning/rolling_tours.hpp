@@ -68,27 +68,34 @@ class RollingTours {
     const Search near{kReach * range, kFine * range}, anywhere{};
     optimistic_.options = options.unknown_space;
     optimistic_.follow(s.space().free, lattice.spacing());
-    std::optional<SightTargets<>> seen;
+    std::optional<SightTargets<>> targets_found;
+    const auto find_targets = [&](bool finely) {
+      targets_found.emplace(interest_(s, finely), MapSight(s.belief.observed()), s.space().headings,
+                            TargetSightOptions{.max_range = options.view_range * range});
+    };
     // Targets and reachable nodes are found at the same time.
     parallel_for(2, options.threads, [&](std::size_t part) {
       if (part == 0)
-        seen.emplace(interest_(s), MapSight(s.belief.observed()), s.space().headings,
-                     TargetSightOptions{.max_range = options.view_range * range});
+        find_targets(false);
       else
         reach_from(s, near, lattice);
     });
-    const SightTargets<>& targets = *seen;
-    for (const RobotId id : s.asked) note_what_is_left(s, targets, lattice, s.robot(id).at);
+    for (const RobotId id : s.asked) note_what_is_left(s, *targets_found, lattice, s.robot(id).at);
     Plan plan;
     plan.replan = {
         .utility_share = options.utility_share, .turn_in_flight = true, .watch_on = true};
     for (const RobotId id : s.asked) plan.routes[id];
     const auto plan_both = [&] {
-      for (const bool hopeful : {true, false}) plan_within(hopeful, s, targets, lattice, plan);
+      for (const bool hopeful : {true, false})
+        plan_within(hopeful, s, *targets_found, lattice, plan);
     };
     plan_both();
     if (plan.nothing()) {
       reach_from(s, anywhere, lattice);
+      plan_both();
+    }
+    if (plan.nothing() && !interest_.is_fine()) {
+      find_targets(true);
       plan_both();
     }
     const bool found = !plan.nothing();
