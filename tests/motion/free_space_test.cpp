@@ -309,6 +309,38 @@ TEST(keep_out_boxes_block_paths_and_nothing_else) {
   CHECK_THROWS(Error, FreeSpace(unknown, {.keep_out = {{box(nan, 0, 0, 1, 1, 1)}}}));
 }
 
+TEST(blocks_that_nothing_is_known_of_need_not_be_there) {
+  TsdfMap tsdf({.voxel_size = 0.3});
+  VoxelStateMap states(tsdf);
+  FreeSpaceOptions o{
+      .radius = 0.6, .unknown_is_obstacle = false, .bounds = box(-30, -30, -30, 30, 30, 30)};
+  FreeSpace all(states, o);
+  o.all_blocks = false;
+  FreeSpace few(states, o);
+  CHECK(100 * few.memory_bytes() < all.memory_bytes());
+  Random random(11);
+  const Boxes scene{{box(-2, -2, -2, 2, 2, 0), box(4, 4, -1, 5, 9, 6)}};
+  for (int round = 0; round < 4; ++round) {
+    const double r = 2.0 + 2.0 * round;
+    observe(tsdf, box(-r, -r, -r, r, r, r), scene);
+    states.update(tsdf);
+    all.update();
+    few.update();
+    int blocked = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const auto any = [&] {
+        return Point3(random.uniform(-12, 12), random.uniform(-12, 12), random.uniform(-12, 12));
+      };
+      const Point3 p = any(), q = any();
+      CHECK(few.is_free(p) == all.is_free(p) && few.free_length(p, q) == all.free_length(p, q));
+      CHECK(few.is_free_voxel(few.grid().index_of(p)) == all.is_free_voxel(all.grid().index_of(p)));
+      blocked += few.is_free(p) ? 0 : 1;
+    }
+    CHECK(blocked > 10);
+  }
+  CHECK(10 * few.memory_bytes() < all.memory_bytes());
+}
+
 TEST(free_space_settings_are_checked) {
   TsdfMap tsdf({.voxel_size = 0.1});
   VoxelStateMap states(tsdf);

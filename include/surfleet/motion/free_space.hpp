@@ -65,7 +65,7 @@ class FreeSpace {
     const double free_distance = (lengths_.required + lengths_.excess) / h;
     free_squared_ = static_cast<std::int16_t>(std::ceil(free_distance * free_distance));
     for (int i = 0; i <= lengths_.reach * lengths_.reach; ++i) root_.push_back(h * std::sqrt(i));
-    if (!options_.unknown_is_obstacle && !options_.bounds.isEmpty())
+    if (!options_.unknown_is_obstacle && options_.all_blocks && !options_.bounds.isEmpty())
       for_each_index(Grid::block_of(grid().index_of(options_.bounds.min())),
                      Grid::block_of(grid().index_of(options_.bounds.max())),
                      [&](const BlockIndex& b) { distances_.mark_changed(distances_.ensure(b)); });

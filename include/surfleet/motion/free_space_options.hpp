@@ -19,7 +19,10 @@ namespace surfleet {
 struct FreeSpaceOptions {
   double radius = 1.0;              ///< Of the body, or of the ball that holds its shape [m].
   bool unknown_is_obstacle = true;  ///< Whether what was never seen is an obstacle.
-  Box3 bounds{};                    ///< The body's centre stays inside; empty: no bounds.
+  /// Where what was never seen is free: whether its blocks inside the bounds are there from the
+  /// first, for those that go through all blocks, as roadmaps and `ReachableSet` do.
+  bool all_blocks = true;
+  Box3 bounds{};  ///< The body's centre stays inside; empty: no bounds.
   /// Kept between the body and the centre of an occupied voxel; one voxel edge if not given [m].
   std::optional<double> margin{};
   /// The same for an unknown voxel, `margin` at the most; that if not given [m]. What is occupied

@@ -88,7 +88,7 @@ class OptimisticLattice {
       cursor = space.revision();
     }
     static FreeSpaceOptions optimistic(FreeSpaceOptions o) {
-      o.unknown_is_obstacle = false;
+      o.unknown_is_obstacle = o.all_blocks = false;
       return o;
     }
     const FreeSpace* real;
