@@ -106,8 +106,14 @@ class Interest {
                      std::vector<SightTarget>& targets) {
     const double voxel = situation.belief.known().voxel_size();
     const double reach = options.prediction_reach * range;
+    // Where patches are wide, one element of a cell leads to those that its neighbours would.
+    std::vector<IncompleteElement> first;
+    if (cell_ > kFine)
+      for (const auto& of : members_)
+        first.push_back(situation.goals[static_cast<std::size_t>(of[0])]);
     for (const PredictedPatch& p :
-         predict_(situation.goals, situation.belief.known(),
+         predict_(cell_ > kFine ? std::span<const IncompleteElement>(first) : situation.goals,
+                  situation.belief.known(),
                   {.reach = reach, .step = cell_ * voxel, .region = situation.belief.region()})) {
       const auto vain = vain_.find(cell_of(p.position, voxel));
       const double hope = vain == vain_.end() ? 1.0 : std::pow(0.5, vain->second);
