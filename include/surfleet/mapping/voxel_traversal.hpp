@@ -25,7 +25,7 @@ namespace surfleet {
 template <typename Visit>
 bool traverse_voxels(const Point3& from, const Point3& to, double voxel_size, Visit&& visit) {
   constexpr bool kCubes = !std::same_as<std::invoke_result_t<Visit&, VoxelIndex>, bool>;
-  constexpr double kNever = std::numeric_limits<double>::infinity();
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
   const Eigen::Vector3d a = from / voxel_size, b = to / voxel_size, d = b - a;
   VoxelIndex v, step, steps;
   Eigen::Vector3d t_next, t_delta;
