@@ -47,6 +47,41 @@ TEST(agrees_with_dense_sampling) {
   CHECK(different < 20 && clear > 200);
 }
 
+TEST(lines_of_sight_are_those_of_a_walk_by_single_voxels) {
+  Random random(13);
+  TsdfMap map({.voxel_size = 0.3});
+  paint(map, {-20, -20, -20}, {20, 20, 20}, [&](const VoxelIndex&) {
+    const std::uint64_t r = random.below(900);  // so few that cubes stay clear
+    return r == 0 ? VoxelState::occupied : r == 1 ? VoxelState::unknown : VoxelState::empty;
+  });
+  const VoxelStateMap states(map);
+  int blocked = 0, clear = 0;
+  for (int n = 0; n < 6000; ++n) {
+    const auto any = [&] { return static_cast<int>(random.below(47)) - 23; };
+    const VoxelIndex target(any(), any(), any());
+    Point3 from(0.3 * any(), 0.3 * any(), 0.3 * any());  // corners
+    if (n % 3 == 0) from += Point3::Constant(random.uniform(0.0, 0.3));
+    LineOfSight line(states, {.unknown_blocks = n % 2 == 0});
+    bool expected = true;
+    traverse_voxels(from, states.grid().center(target), 0.3, [&](const VoxelIndex& v) {
+      expected = v == target || !line.blocks(states(v));
+      return expected && v != target;
+    });
+    CHECK(line.sees(from, target) == expected);
+    ++(expected ? clear : blocked);
+    const Eigen::Vector3d direction =
+        Eigen::Vector3d(random.normal(), random.normal(), random.normal()).normalized();
+    double length = 6.0;
+    traverse_voxels(from, from + 6.0 * direction, 0.3, [&](const VoxelIndex& v) {
+      if (!line.blocks(states(v))) return true;
+      length = std::clamp((states.grid().center(v) - from).dot(direction), 0.0, 6.0);
+      return false;
+    });
+    CHECK(line.free_length(from, direction, 6.0) == length);
+  }
+  CHECK(blocked > 1000 && clear > 1000);
+}
+
 TEST(the_target_itself_does_not_block) {
   const TsdfMap map = wall_scene(6, 12);
   const VoxelStateMap states(map);

@@ -49,16 +49,10 @@ class BestHeadingView {
 
   /// Whether `sample` is in range and in the image from `position`; occlusion is not tested.
   bool sees(const Point3& position, const Point3& sample) const {
-    // By coordinates: this is asked of every place for every sample.
-    const double x = sample.x() - position.x(), y = sample.y() - position.y();
-    const double level = std::sqrt(x * x + y * y);
-    const double in_body_x = level * heading_.x() - offset_.x(),
-                 in_body_y = level * heading_.y() - offset_.y(),
-                 in_body_z = sample.z() - position.z() - offset_.z();
-    const Eigen::Matrix3d& R = R_camera_body_;
-    const Point3 p_camera(R(0, 0) * in_body_x + R(0, 1) * in_body_y + R(0, 2) * in_body_z,
-                          R(1, 0) * in_body_x + R(1, 1) * in_body_y + R(1, 2) * in_body_z,
-                          R(2, 0) * in_body_x + R(2, 1) * in_body_y + R(2, 2) * in_body_z);
+    const Eigen::Vector3d to_sample = sample - position;
+    const double level = to_sample.head<2>().norm();
+    const Eigen::Vector3d in_body(level * heading_.x(), level * heading_.y(), to_sample.z());
+    const Point3 p_camera = R_camera_body_ * (in_body - offset_);
     if (lidar_) {
       const double r = p_camera.norm();
       return r >= camera_.min_range && r <= camera_.max_range && p_camera.z() >= sin_lowest_ * r &&

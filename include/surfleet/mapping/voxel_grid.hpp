@@ -25,6 +25,10 @@ using VoxelIndex = Eigen::Vector3i;
 /// The same as a key of ordered containers.
 using VoxelKey = std::array<int, 3>;
 inline VoxelKey key_of(const VoxelIndex& v) { return {v.x(), v.y(), v.z()}; }
+/// The cell of `width` voxels that voxel `i` of an axis is in.
+inline int cell_of_width(int i, int width) {
+  return i >= 0 ? i / width : -((width - 1 - i) / width);
+}
 /// `fn` of every index from `lo` to `hi`, both included; x runs fastest.
 template <typename Fn>
 void for_each_index(const VoxelIndex& lo, const VoxelIndex& hi, Fn&& fn) {

@@ -37,9 +37,9 @@ struct InterestOptions {
 /// The targets of views, from three sources. For one mission, as it remembers views in vain.
 ///
 /// Incomplete elements of a cell that face alike are one target. Predicted surface counts half as
-/// much each time that a view did not bring it. The frontier, where unknown space
-/// borders on empty space of the region, counts for what it may hide: by how much surface there is
-/// around, and far from any by how often frontier at that height turned out to hold some.
+/// much each time that a view did not bring it. The frontier, where unknown space borders on empty
+/// space of the region, counts for what it may hide: by how much surface there is around, and far
+/// from any by how often frontier at that height turned out to hold some.
 class Interest {
  public:
   InterestOptions options;
@@ -92,7 +92,7 @@ class Interest {
       e.direction.cwiseAbs().maxCoeff(&axis);
       auto key = static_cast<std::uint64_t>(2 * axis + (e.direction[axis] > 0.0 ? 1 : 0));
       for (int k = 0; k < 3; ++k)
-        key = key << 20 | (static_cast<std::uint64_t>(floor_div(e.voxel[k], cell)) & 0xfffffU);
+        key = key << 20 | (static_cast<std::uint64_t>(cell_of_width(e.voxel[k], cell)) & 0xfffffU);
       const auto [it, fresh] = groups.try_emplace(key, targets.size());
       if (fresh) {
         targets.push_back({e.frontier(voxel), e.direction, 0.0, kDepth});
@@ -142,7 +142,6 @@ class Interest {
   VoxelKey cell_of(const Point3& p, double voxel) const {
     return key_of(VoxelIndex((p / (cell_ * voxel)).array().floor().cast<int>()));
   }
-  static int floor_div(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
   static constexpr int kFine = 2;   ///< The least edge of a cell [voxels].
   static constexpr int kDepth = 2;  ///< Unknown voxels before an element that a view may pass.

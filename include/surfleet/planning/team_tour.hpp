@@ -203,7 +203,7 @@ class TeamTours {
       if (const auto c = candidate(s, shortest, most[s])) batch[count++] = *c;
     evaluate(count);
     const double floor = 0.5 * options_.stop_cost / std::max(options_.keep, 1.0);
-    std::vector<Candidate> open;
+    std::vector<Candidate> open;  // without those just evaluated
     for (std::size_t s = 0; s < sites_.size(); ++s) {
       if (most[s] <= kTie * best.stop.rate * floor) continue;  // most are
       const auto c = candidate(s, shortest, most[s]);

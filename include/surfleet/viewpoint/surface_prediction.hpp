@@ -288,8 +288,7 @@ class SurfacePredictor {
     frames_.end_turn(elements);
   }
   VoxelKey coarse(const BlockIndex& b) const {
-    const auto down = [&](int i) { return i >= 0 ? i / wide_ : -((wide_ - 1 - i) / wide_); };
-    return {down(b.x()), down(b.y()), down(b.z())};
+    return {cell_of_width(b.x(), wide_), cell_of_width(b.y(), wide_), cell_of_width(b.z(), wide_)};
   }
   /// Since the last call.
   bool has_changed_around(const VoxelIndex& element) {

@@ -28,14 +28,16 @@ class LineOfSight {
   double voxel_size() const { return voxel_size_; }
 
   /// True if nothing blocks the segment from `from` [m] to the centre of `target` before the
-  /// target's voxel is entered; what the target itself holds does not matter. O(voxels passed).
+  /// target's voxel is entered; what the target itself holds does not matter. O(voxels and clear
+  /// cubes passed).
   bool sees(const Point3& from, const VoxelIndex& target) {
     const Point3 to = (target.cast<double>() + Eigen::Vector3d::Constant(0.5)) * voxel_size_;
     bool clear = true;
     traverse_voxels(from, to, voxel_size_, [&](const VoxelIndex& v) {
-      if (v == target) return false;
+      if (v == target) return 0;
+      if (const int side = clear_cube(v)) return side;
       clear = !blocks(accessor_(v));
-      return clear;
+      return static_cast<int>(clear);
     });
     return clear;
   }
@@ -45,15 +47,18 @@ class LineOfSight {
   double free_length(const Point3& from, const Eigen::Vector3d& direction, double limit) {
     double length = limit;
     traverse_voxels(from, from + limit * direction, voxel_size_, [&](const VoxelIndex& v) {
-      if (!blocks(accessor_(v))) return true;
+      if (const int side = clear_cube(v)) return side;
+      if (!blocks(accessor_(v))) return 1;
       const Point3 center = (v.cast<double>() + Eigen::Vector3d::Constant(0.5)) * voxel_size_;
       length = std::clamp((center - from).dot(direction), 0.0, limit);
-      return false;
+      return 0;
     });
     return length;
   }
 
  private:
+  int clear_cube(const VoxelIndex& v) { return accessor_.clear_cube(v, !options_.unknown_blocks); }
+
   VoxelStateMap::Accessor accessor_;
   double voxel_size_;
   SightOptions options_;
